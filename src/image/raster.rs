@@ -1,0 +1,118 @@
+//! What a file holds: samples by row, column and channel, in the file's own depth.
+
+use ndarray::Array3;
+
+use super::Size;
+
+/// Samples with axes (row, column, channel).
+#[derive(Clone, Debug, PartialEq)]
+pub enum Samples {
+    /// Unsigned, 0..255 standing for 0..1.
+    U8(Array3<u8>),
+    /// Unsigned, 0..65535 standing for 0..1.
+    U16(Array3<u16>),
+    /// As stored: half and float files, signed where the file is.
+    F32(Array3<f32>),
+}
+
+/// A decoded picture: linear samples and the names of its channels.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Raster {
+    /// The samples, axes (row, column, channel).
+    pub samples: Samples,
+    /// One name a channel: `R G B A`, `Y`, `Y A`, or an EXR file's own names.
+    pub channels: Vec<String>,
+}
+
+impl Raster {
+    /// A raster whose channels are named by their number: `Y`, `Y A`, `R G B` or `R G B A`.
+    pub fn new(samples: Samples) -> Self {
+        let names: &[&str] = match samples.channels() {
+            1 => &["Y"],
+            2 => &["Y", "A"],
+            3 => &["R", "G", "B"],
+            4 => &["R", "G", "B", "A"],
+            n => panic!("{n} channels need names of their own"),
+        };
+        Self { channels: names.iter().map(|s| s.to_string()).collect(), samples }
+    }
+
+    /// Width and height.
+    pub fn size(&self) -> Size {
+        let (height, width, _) = self.samples.dim();
+        Size::new(width, height)
+    }
+
+    /// Bits a sample: 8 or 16 (unsigned integer), or 32 (float).
+    pub fn bits(&self) -> u8 {
+        match self.samples {
+            Samples::U8(_) => 8,
+            Samples::U16(_) => 16,
+            Samples::F32(_) => 32,
+        }
+    }
+
+    /// Part of one row of one channel, from column `x`, as long as `out`: integers scaled to 0..1 (divided by
+    /// 255 or 65535), floats as they are.
+    pub fn read(&self, channel: usize, y: usize, x: usize, out: &mut [f32]) {
+        fn copy<T: Copy>(
+            samples: &Array3<T>,
+            channel: usize,
+            y: usize,
+            x: usize,
+            out: &mut [f32],
+            f: impl Fn(T) -> f32,
+        ) {
+            let channels = samples.dim().2;
+            let row = samples.index_axis(ndarray::Axis(0), y);
+            let row = row.to_slice().expect("rasters are in standard layout");
+            let texels = row[x * channels..].chunks_exact(channels);
+            for (out, texel) in out.iter_mut().zip(texels) {
+                *out = f(texel[channel]);
+            }
+        }
+        match &self.samples {
+            Samples::U8(s) => copy(s, channel, y, x, out, |v| f32::from(v) / 255.0),
+            Samples::U16(s) => copy(s, channel, y, x, out, |v| f32::from(v) / 65535.0),
+            Samples::F32(s) => copy(s, channel, y, x, out, |v| v),
+        }
+    }
+
+    /// One sample, scaled as [`Raster::read`] does.
+    pub fn at(&self, x: usize, y: usize, channel: usize) -> f32 {
+        let mut out = [0.0];
+        self.read(channel, y, x, &mut out);
+        out[0]
+    }
+}
+
+impl Samples {
+    /// (rows, columns, channels).
+    pub fn dim(&self) -> (usize, usize, usize) {
+        match self {
+            Samples::U8(s) => s.dim(),
+            Samples::U16(s) => s.dim(),
+            Samples::F32(s) => s.dim(),
+        }
+    }
+
+    /// Number of channels.
+    pub fn channels(&self) -> usize {
+        self.dim().2
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn reads_part_of_a_row_of_one_channel() {
+        let samples = Array3::from_shape_fn((2, 3, 2), |(y, x, c)| (100 * y + 10 * x + c) as u8);
+        let raster = Raster::new(Samples::U8(samples));
+        assert_eq!(raster.size(), Size::new(3, 2));
+        let mut out = [0.0; 2];
+        raster.read(1, 1, 1, &mut out);
+        assert_eq!(out, [111.0 / 255.0, 121.0 / 255.0]);
+    }
+}

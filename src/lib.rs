@@ -1,0 +1,8 @@
+//! mipfold builds mip chains that keep a material looking the same at every distance.
+
+pub mod error;
+pub mod image;
+pub mod ndf;
+pub mod roughness;
+
+pub use error::{Error, Result};
