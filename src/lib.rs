@@ -1,7 +1,10 @@
 //! mipfold builds mip chains that keep a material looking the same at every distance.
 
 pub mod error;
+pub mod fold;
 pub mod image;
+pub mod material;
+pub mod moments;
 pub mod ndf;
 pub mod roughness;
 

@@ -1,7 +1,8 @@
 //! An image of lobes, planar.
 
 use glam::Vec3;
-use ndarray::{Array3, ArrayView3, ArrayViewMut3};
+use ndarray::iter::AxisChunksIterMut;
+use ndarray::{Array3, ArrayView3, Axis, Ix3};
 
 use super::{Lobe, RoughnessTensor};
 use crate::image::Size;
@@ -84,9 +85,9 @@ impl Lobes {
         self.planes.view()
     }
 
-    /// The planes, to write.
-    pub fn planes_mut(&mut self) -> ArrayViewMut3<'_, f32> {
-        self.planes.view_mut()
+    /// The planes, cut into bands of `rows` rows, to be filled side by side.
+    pub fn bands_mut(&mut self, rows: usize) -> AxisChunksIterMut<'_, f32, Ix3> {
+        self.planes.axis_chunks_iter_mut(Axis(1), rows)
     }
 
     /// One row of one plane.

@@ -52,10 +52,16 @@ impl RoughnessTensor {
         Axes { alpha_x: Alpha::from_squared(mean + spread), alpha_y: Alpha::from_squared(mean - spread), angle }
     }
 
+    /// Half the trace: alpha^2 of the isotropic lobe with the same mean squared width.
+    #[inline(always)]
+    pub fn mean(self) -> f32 {
+        0.5 * (self.xx + self.yy)
+    }
+
     /// Half the trace, and half the difference of the eigenvalues.
     pub fn mean_and_spread(self) -> (f32, f32) {
         let half = 0.5 * (self.xx - self.yy);
-        (0.5 * (self.xx + self.yy), (half * half + self.xy * self.xy).sqrt())
+        (self.mean(), (half * half + self.xy * self.xy).sqrt())
     }
 
     /// The tensor turned counter-clockwise by the angle with this cosine and sine.
@@ -82,12 +88,6 @@ impl RoughnessTensor {
     /// Determinant, `(alpha_x alpha_y)^2`.
     pub fn determinant(self) -> f32 {
         self.xx * self.yy - self.xy * self.xy
-    }
-
-    /// The one width that an isotropic lobe of the same mean squared width has, `alpha^2 = trace / 2`.
-    pub fn isotropic_part(self) -> Self {
-        let mean = 0.5 * (self.xx + self.yy);
-        Self { xx: mean, xy: 0.0, yy: mean }
     }
 }
 

@@ -1,0 +1,265 @@
+//! The one loop over levels.
+//!
+//! Every level is folded from the exact footprint of level 0. As long as both sides halve exactly, a coarser
+//! level's footprints are unions of the finer one's, so moments are merged 2x2, row by row, in tiles that stay in the
+//! cache, and only the top is kept. Beyond that, a level is merged from the coarsest kept level whose footprints
+//! nest in its own, or else from the texels, with fractional weights at the borders.
+
+use rayon::prelude::*;
+
+use super::{DEFAULT_FOLD, Fold, Level, level::Band};
+use crate::image::{Size, spans};
+use crate::material::Texels;
+use crate::moments::{Block, Layout, Needs, Quads, Scratch, TexelRows, UNUSABLE_WEIGHT, reduce_rows};
+use crate::ndf::{Form, Lobes, RoughnessTensor};
+use crate::roughness::Alpha;
+
+/// Levels that one pass over the texels folds: bands of 64 rows are enough to keep many cores busy.
+const TRUNK_LEVELS: usize = 6;
+
+/// Texels in a row of a tile: two rows of every level, of some ten planes, are 160 KiB, which a core's own cache
+/// holds. A multiple of `2^TRUNK_LEVELS`.
+const TILE_WIDTH: usize = 1024;
+
+/// What to fold, and how.
+#[derive(Clone, Copy)]
+pub struct Options {
+    /// The method.
+    pub fold: &'static Fold,
+    /// One width or two. A method without an anisotropic form gives one.
+    pub form: Form,
+    /// Share of what the fold adds to the mean alpha^2: 0 nothing, 1 all of it.
+    pub strength: f32,
+    /// Smallest width written in any level but the first.
+    pub min_alpha: Alpha,
+    /// Largest width written in any level but the first.
+    pub max_alpha: Alpha,
+    /// Whether to keep the raw slope moments too.
+    pub slope_moments: bool,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            fold: DEFAULT_FOLD,
+            form: Form::Isotropic,
+            strength: 1.0,
+            min_alpha: Alpha(0.0),
+            max_alpha: Alpha(1.0),
+            slope_moments: false,
+        }
+    }
+}
+
+/// The levels below the first; level 0 is the material's own texels.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Chain {
+    /// Size of level 0.
+    pub size: Size,
+    /// Levels 1, 2, ... down to 1x1; empty for a 1x1 material.
+    pub levels: Vec<Level>,
+}
+
+/// Folds all levels of a material, in parallel; the result does not depend on the number of threads.
+pub fn chain(texels: &dyn Texels, options: &Options) -> Chain {
+    let size = texels.size();
+    let needs = options.fold.needs.and(if options.slope_moments { Needs::SLOPE_COV } else { Needs::NORMAL });
+    let needs = if options.strength == 1.0 { needs } else { needs.and(Needs::TENSOR) };
+    let layout = Layout::new(needs, !texels.is_anisotropic(), texels.extras());
+    let count = size.level_count();
+    let mut levels: Vec<_> =
+        (1..count).map(|k| Level::zeros(options.form, size.level(k), texels.extras(), options.slope_moments)).collect();
+    let job = Job { texels, options, layout: &layout, size };
+    let trunk = halvings(size);
+    let sources: Vec<_> = (0..count).map(|k| job.source(trunk, k)).collect();
+    // Moments of the levels that a coarser level is merged from.
+    let mut kept: Vec<Option<Block>> = (0..count).map(|_| None).collect();
+    let (halved, rest) = levels.split_at_mut(trunk);
+    if trunk > 0 {
+        kept[trunk] = job.fold_trunk(halved, sources.contains(&trunk));
+    }
+    for (k, level) in (trunk + 1..).zip(rest) {
+        let keep = sources[k..].contains(&k);
+        let block = job.fold_level(level, kept[sources[k]].as_ref(), size.level(k), keep);
+        kept[k] = block;
+    }
+    Chain { size, levels }
+}
+
+/// How many times both sides of `size` halve exactly, up to [`TRUNK_LEVELS`].
+fn halvings(size: Size) -> usize {
+    (size.width.trailing_zeros().min(size.height.trailing_zeros()) as usize).min(TRUNK_LEVELS)
+}
+
+struct Job<'a> {
+    texels: &'a dyn Texels,
+    options: &'a Options,
+    layout: &'a Layout,
+    size: Size,
+}
+
+impl Job<'_> {
+    /// The level that level `k > trunk` is merged from: the coarsest whose footprints nest in its own, or 0.
+    fn source(&self, trunk: usize, k: usize) -> usize {
+        let target = self.size.level(k);
+        let nests = |j: &usize| {
+            let source = self.size.level(*j);
+            source.width.is_multiple_of(target.width) && source.height.is_multiple_of(target.height)
+        };
+        (trunk.max(1)..k).rev().find(nests).unwrap_or(0)
+    }
+
+    /// Folds levels 1 to `levels.len()`, each as soon as two rows of the finer one are there. Returns the moments of
+    /// the last if they are to be kept.
+    fn fold_trunk(&self, levels: &mut [Level], keep: bool) -> Option<Block> {
+        let depth = levels.len();
+        let top = self.size.level(depth);
+        let mut bands: Vec<Vec<Band>> = (0..top.height).map(|_| Vec::with_capacity(depth)).collect();
+        for (k, level) in levels.iter_mut().enumerate() {
+            bands.iter_mut().zip(level.bands(1 << (depth - 1 - k))).for_each(|(bands, band)| bands.push(band));
+        }
+        let rows: Vec<Block> = bands
+            .into_par_iter()
+            .enumerate()
+            .map_init(Buffers::default, |buffers, (row, mut bands)| {
+                let mut kept = Block::default();
+                kept.resize(self.layout, if keep { top.width } else { 0 }, 1);
+                for x in (0..self.size.width).step_by(TILE_WIDTH) {
+                    let width = TILE_WIDTH.min(self.size.width - x);
+                    self.fold_tile(&mut bands, (x, row << depth), width, buffers);
+                    if keep {
+                        kept.copy_columns(self.layout, &buffers.blocks[depth], x >> depth);
+                    }
+                }
+                kept
+            })
+            .collect();
+        keep.then(|| Block::stack(self.layout, &rows))
+    }
+
+    /// Folds the levels above `2^levels` rows of texels; two rows of each level are alive at a time. The single row
+    /// of the last level is left in `buffers`.
+    fn fold_tile(&self, bands: &mut [Band], (x, y): (usize, usize), width: usize, buffers: &mut Buffers) {
+        let depth = bands.len();
+        buffers.blocks.resize_with(depth + 1, Block::default);
+        for (k, block) in buffers.blocks.iter_mut().enumerate() {
+            block.resize(self.layout, width >> k, if k < depth { 2 } else { 1 });
+        }
+        for row in 0..1 << depth {
+            self.read_texels(x, y + row, &mut buffers.blocks[0], row % 2, &mut buffers.scratch);
+            // An odd row completes a row of the next level, and that one perhaps another.
+            for k in 0..(row + 1).trailing_zeros() as usize {
+                let (fine, coarse) = buffers.blocks.split_at_mut(k + 1);
+                let (coarse, at) = (&mut coarse[0], row >> (k + 1));
+                let slot = at % coarse.height();
+                fine[k].halve(self.layout, k == 0, coarse, slot, &mut buffers.quads);
+                let to = (x >> (k + 1), at);
+                bands[k].fold_row(self.options, self.layout, coarse, slot, to, &mut buffers.scratch);
+            }
+        }
+    }
+
+    /// Folds one level from kept moments, or from the texels where there are none.
+    fn fold_level(&self, level: &mut Level, source: Option<&Block>, size: Size, keep: bool) -> Option<Block> {
+        let from = source.map_or(self.size, |block| Size::new(block.width(), block.height()));
+        let (across, down) = (spans(from.width, size.width), spans(from.height, size.height));
+        let rows: Vec<Block> = level
+            .bands(1)
+            .into_par_iter()
+            .zip(&down)
+            .map_init(LevelBuffers::default, |buffers, (mut band, span)| {
+                let LevelBuffers { reduce, texels, spare } = buffers;
+                let mut row = Block::default();
+                let fill = |y: usize, out: &mut Block| match source {
+                    Some(block) => out.copy_row(self.layout, block, y),
+                    None => {
+                        out.resize(self.layout, self.size.width, 1);
+                        self.read_texels(0, y, out, 0, texels);
+                    }
+                };
+                reduce_rows(self.layout, fill, span, &across, &mut row, reduce);
+                band.fold_row(self.options, self.layout, &row, 0, (0, 0), spare);
+                if keep { row } else { Block::default() }
+            })
+            .collect();
+        keep.then(|| Block::stack(self.layout, &rows))
+    }
+
+    /// The moments of a row of texels from column `x` of row `y` on, into row `to` of `block`.
+    fn read_texels(&self, x: usize, y: usize, block: &mut Block, to: usize, scratch: &mut Vec<f32>) {
+        let texels = texel_row(self.texels, x, y, block.row_mut(0, to), scratch);
+        block.finish_texels(self.layout, to, &texels);
+        for i in 0..self.texels.extras() {
+            self.texels.extra(i, y, x, block.row_mut(self.layout.extra(i), to));
+        }
+    }
+}
+
+/// One row of texels in `scratch`, with the weights in `weight`.
+fn texel_row<'a>(
+    texels: &dyn Texels,
+    x: usize,
+    y: usize,
+    weight: &mut [f32],
+    scratch: &'a mut Vec<f32>,
+) -> TexelRows<'a> {
+    let n = weight.len();
+    scratch.resize(scratch.len().max(7 * n), 0.0);
+    let mut rows = scratch.chunks_exact_mut(n);
+    let [nx, ny, nz, perceptual, xx, xy, yy] = std::array::from_fn(|_| rows.next().expect("seven rows"));
+    texels.normals(y, x, [&mut *nx, &mut *ny, &mut *nz], weight);
+    weight.iter_mut().for_each(|w| *w = w.max(UNUSABLE_WEIGHT));
+    texels.perceptual(y, x, perceptual);
+    let tensors = texels.is_anisotropic().then(|| {
+        texels.tensors(y, x, perceptual, [&mut *xx, &mut *xy, &mut *yy]);
+        [&*xx, &*xy, &*yy]
+    });
+    TexelRows { normal: [nx, ny, nz], perceptual, tensors }
+}
+
+/// Level 0 as lobes.
+pub fn base_lobes(texels: &dyn Texels, form: Form) -> Lobes {
+    let size = texels.size();
+    let mut lobes = Lobes::zeros(form, size);
+    let rows: Vec<_> = lobes.bands_mut(1).collect();
+    rows.into_par_iter().enumerate().for_each_init(
+        || (Vec::new(), vec![0.0; size.width]),
+        |(scratch, weight), (y, mut out)| {
+            let row = texel_row(texels, 0, y, weight, scratch);
+            for x in 0..size.width {
+                let tensor = match row.tensors {
+                    Some([xx, xy, yy]) => RoughnessTensor { xx: xx[x], xy: xy[x], yy: yy[x] },
+                    None => {
+                        let a2 = row.perceptual[x].powi(4);
+                        RoughnessTensor { xx: a2, xy: 0.0, yy: a2 }
+                    }
+                };
+                for i in 0..3 {
+                    out[(i, 0, x)] = row.normal[i][x];
+                }
+                match form {
+                    Form::Isotropic => out[(3, 0, x)] = tensor.mean(),
+                    Form::Anisotropic => {
+                        [tensor.xx, tensor.xy, tensor.yy].iter().enumerate().for_each(|(i, v)| out[(3 + i, 0, x)] = *v);
+                    }
+                }
+            }
+        },
+    );
+    lobes
+}
+
+/// Two rows of each level of a tile, and scratch rows.
+#[derive(Default)]
+struct Buffers {
+    blocks: Vec<Block>,
+    quads: Quads,
+    scratch: Vec<f32>,
+}
+
+#[derive(Default)]
+struct LevelBuffers {
+    reduce: Scratch,
+    texels: Vec<f32>,
+    spare: Vec<f32>,
+}

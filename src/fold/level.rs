@@ -1,0 +1,134 @@
+//! One mip level on its way out: rows of moments become rows of lobes and of plain channels.
+
+use ndarray::{Array3, ArrayViewMut3, Axis};
+
+use super::{LobeRow, MomentRow, Options};
+use crate::image::Size;
+use crate::moments::{Block, Layout, plane};
+use crate::ndf::{Form, Lobes, RoughnessTensor};
+
+/// One level of a [`super::Chain`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct Level {
+    /// The folded lobes.
+    pub lobes: Lobes,
+    /// The plainly averaged channels, axes (channel, row, column).
+    pub extras: Array3<f32>,
+    /// If asked for: mean slope x y, then raw second moments xx yy xy; axes (moment, row, column).
+    pub slope_moments: Option<Array3<f32>>,
+}
+
+impl Level {
+    pub(super) fn zeros(form: Form, size: Size, extras: usize, slope_moments: bool) -> Self {
+        let planes = |n| Array3::zeros((n, size.height, size.width));
+        Self {
+            lobes: Lobes::zeros(form, size),
+            extras: planes(extras),
+            slope_moments: slope_moments.then(|| planes(5)),
+        }
+    }
+
+    /// The level cut into bands of `rows` rows, to be filled side by side.
+    pub(super) fn bands(&mut self, rows: usize) -> Vec<Band<'_>> {
+        let form = self.lobes.form();
+        let mut slopes = self.slope_moments.as_mut().map(|s| s.axis_chunks_iter_mut(Axis(1), rows));
+        let lobes = self.lobes.bands_mut(rows);
+        let extras = self.extras.axis_chunks_iter_mut(Axis(1), rows);
+        let slopes = std::iter::from_fn(|| Some(slopes.as_mut().and_then(Iterator::next)));
+        lobes.zip(extras).zip(slopes).map(|((lobes, extras), slopes)| Band { form, lobes, extras, slopes }).collect()
+    }
+}
+
+/// Some rows of a [`Level`].
+pub(super) struct Band<'a> {
+    form: Form,
+    lobes: ArrayViewMut3<'a, f32>,
+    extras: ArrayViewMut3<'a, f32>,
+    slopes: Option<ArrayViewMut3<'a, f32>>,
+}
+
+/// Row `y`, from column `x`, `n` texels, of the planes of a band.
+fn plane_rows<'a>(
+    planes: &'a mut ArrayViewMut3<'_, f32>,
+    y: usize,
+    x: usize,
+    n: usize,
+) -> impl Iterator<Item = &'a mut [f32]> {
+    planes.axis_iter_mut(Axis(0)).map(move |plane| {
+        let row = plane.index_axis_move(Axis(0), y).into_slice().expect("rows are contiguous");
+        &mut row[x..x + n]
+    })
+}
+
+impl Band<'_> {
+    /// Folds row `from` of `block` into row `y` of the band, starting at column `x`. `spare` is scratch.
+    pub fn fold_row(
+        &mut self,
+        options: &Options,
+        layout: &Layout,
+        block: &Block,
+        from: usize,
+        (x, y): (usize, usize),
+        spare: &mut Vec<f32>,
+    ) {
+        let n = block.width();
+        spare.resize(spare.len().max(3 * n), 0.0);
+        let (zeros, unused) = spare[..3 * n].split_at_mut(n);
+        zeros.fill(0.0);
+        let row = MomentRow::new(block, layout, from, zeros);
+        let unused = unused.split_at_mut(n);
+        // An isotropic image holds xx alone; the other two go to scratch.
+        let mut planes = plane_rows(&mut self.lobes, y, x, n).chain([unused.0, unused.1]);
+        let mut out = LobeRow { planes: std::array::from_fn(|_| planes.next().expect("six planes")) };
+        options.fold.rows(self.form)(&row, &mut out);
+        limit(options, self.form, &row, &mut out);
+        for (i, extra) in plane_rows(&mut self.extras, y, x, n).enumerate() {
+            extra.copy_from_slice(block.row(layout.extra(i), from));
+        }
+        if let Some(slopes) = &mut self.slopes {
+            let [sx, sy] = [0, 1].map(|i| row.plane(plane::SLOPE + i));
+            let [xx, xy, yy] = [0, 1, 2].map(|i| row.plane(plane::SLOPE_COV + i));
+            for (moment, out) in plane_rows(slopes, y, x, n).enumerate() {
+                for (i, out) in out.iter_mut().enumerate() {
+                    *out = match moment {
+                        0 => sx[i],
+                        1 => sy[i],
+                        2 => xx[i] + sx[i] * sx[i],
+                        3 => yy[i] + sy[i] * sy[i],
+                        _ => xy[i] + sx[i] * sy[i],
+                    };
+                }
+            }
+        }
+    }
+}
+
+/// Strength and bounds: `R = base + strength (fold - base)`, eigenvalues clamped.
+fn limit(options: &Options, form: Form, row: &MomentRow, out: &mut LobeRow) {
+    let [_, _, nz, xx, xy, yy] = &mut out.planes;
+    let (low, high) = (options.min_alpha.squared(), options.max_alpha.squared());
+    let n = nz.len();
+    let [bxx, bxy, byy] = [0, 1, 2].map(|i| &row.plane(plane::TENSOR + i)[..n]);
+    let (xx, xy, yy) = (&mut xx[..n], &mut xy[..n], &mut yy[..n]);
+    let k = options.strength;
+    if k != 1.0 {
+        for i in 0..n {
+            let base = RoughnessTensor { xx: bxx[i], xy: bxy[i], yy: byy[i] };
+            let base = if form == Form::Isotropic {
+                RoughnessTensor { xx: base.mean(), xy: 0.0, yy: base.mean() }
+            } else {
+                base
+            };
+            let mix = |base: f32, folded: f32| base + k * (folded - base);
+            (xx[i], xy[i], yy[i]) = (mix(base.xx, xx[i]), mix(base.xy, xy[i]), mix(base.yy, yy[i]));
+        }
+    }
+    if form == Form::Isotropic {
+        xx.iter_mut().for_each(|a2| *a2 = a2.max(low).min(high));
+    } else {
+        for i in 0..n {
+            let r = RoughnessTensor { xx: xx[i], xy: xy[i], yy: yy[i] }.clamped(low, high);
+            (xx[i], xy[i], yy[i]) = (r.xx, r.xy, r.yy);
+        }
+    }
+}

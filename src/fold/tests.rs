@@ -1,0 +1,336 @@
+//! Laws that every fold keeps, and the chain against footprints summed one texel at a time.
+
+use glam::{Mat3, Vec3};
+use proptest::prelude::*;
+
+use super::*;
+use crate::image::{Size, spans};
+use crate::material::Texels;
+use crate::ndf::{Axes, Frame, RoughnessTensor};
+use crate::roughness::Alpha;
+
+const FORMS: [Form; 2] = [Form::Isotropic, Form::Anisotropic];
+
+/// Every fold in every form that it defines.
+fn all() -> impl Iterator<Item = (&'static Fold, Form)> {
+    let defined = |f: &'static Fold, form| form == Form::Isotropic || f.anisotropic.is_some();
+    FOLDS.iter().flat_map(move |f| FORMS.map(|form| (f, form))).filter(move |(f, form)| defined(f, *form))
+}
+
+fn texel(normal: Vec3, perceptual: f32) -> Moments {
+    Moments::texel(1.0, normal, perceptual, RoughnessTensor::isotropic(Alpha(perceptual * perceptual)))
+}
+
+prop_compose! {
+    /// A unit normal up to 60 degrees from up.
+    fn normal()(x in -1.0f32..1.0, y in -1.0f32..1.0) -> Vec3 {
+        Vec3::new(x, y, 0.82).normalize()
+    }
+}
+
+prop_compose! {
+    fn footprint()(texels in prop::collection::vec((normal(), 0.1f32..0.9), 1..40)) -> Vec<(Vec3, f32)> {
+        texels
+    }
+}
+
+fn moments(texels: &[(Vec3, f32)]) -> Moments {
+    texels.iter().map(|&(n, r)| texel(n, r)).sum()
+}
+
+/// The lobe's tensor as a 3x3 form, which does not depend on the choice of tangents.
+fn form_of(lobe: &Lobe) -> Mat3 {
+    let Frame { tangent: t, bitangent: b } = Frame::bent(lobe.normal);
+    let r = lobe.roughness;
+    let outer = |a: Vec3, b: Vec3| Mat3::from_cols(a * b.x, a * b.y, a * b.z);
+    outer(t, t) * r.xx + (outer(t, b) + outer(b, t)) * r.xy + outer(b, b) * r.yy
+}
+
+fn distance(a: &Lobe, b: &Lobe) -> f32 {
+    let difference = form_of(a) - form_of(b);
+    let columns = [difference.x_axis, difference.y_axis, difference.z_axis];
+    (a.normal - b.normal).length() + columns.iter().map(|c| c.length()).sum::<f32>()
+}
+
+proptest! {
+    #[test]
+    fn a_flat_footprint_gives_back_its_own_lobe(n in normal(), a in 0.01f32..1.0, ratio in 0.1f32..1.0,
+                                                angle in -1.5f32..1.5, count in 1usize..30) {
+        let axes = |ratio| Axes { alpha_x: Alpha(a), alpha_y: Alpha(a * ratio), angle };
+        for (fold, form) in all() {
+            let ratio = if form == Form::Isotropic { 1.0 } else { ratio };
+            let lobe = Lobe { normal: n, roughness: RoughnessTensor::from_axes(axes(ratio)) };
+            let texel = Moments::texel(1.0, n, a.sqrt(), lobe.roughness);
+            let folded = fold.lobe(&std::iter::repeat_n(texel, count).sum(), form);
+            prop_assert!((folded.normal - n).length() < 1e-6, "{}", fold.name);
+            let error = (folded.roughness - lobe.roughness) * (1.0 / (a * a));
+            prop_assert!(error.xx.abs() < 4e-6 && error.xy.abs() < 4e-6 && error.yy.abs() < 4e-6,
+                "{} {form:?}: {error:?}", fold.name);
+        }
+    }
+
+    #[test]
+    fn turning_the_texture_turns_the_lobe(texels in footprint(), angle in -3.0f32..3.0, ratio in 0.2f32..1.0) {
+        let turn = Mat3::from_rotation_z(angle);
+        for (fold, form) in all() {
+            // Anisotropic base lobes too, where the form can hold them.
+            let ratio = if form == Form::Isotropic { 1.0 } else { ratio };
+            let folded = |turned: bool| {
+                let sum = texels.iter().map(|&(n, r)| {
+                    let along = RoughnessTensor { xx: r.powi(4), xy: 0.0, yy: ratio * r.powi(4) };
+                    let (sin, cos) = if turned { angle.sin_cos() } else { (0.0, 1.0) };
+                    let m = if turned { turn * n } else { n };
+                    Moments::texel(1.0, m, r, along.rotated(cos, sin).to_bent(m))
+                }).sum();
+                fold.lobe(&sum, form)
+            };
+            let (a, b) = (folded(false), folded(true));
+            prop_assert!((turn * a.normal - b.normal).length() < 1e-4);
+            let difference = turn * form_of(&a) * turn.transpose() - form_of(&b);
+            let size = difference.x_axis.length() + difference.y_axis.length() + difference.z_axis.length();
+            prop_assert!(size < 1e-4 * (1.0 + a.roughness.mean()), "{} {form:?}: {size}", fold.name);
+        }
+    }
+
+    #[test]
+    fn steeper_slopes_never_lower_alpha(slopes in prop::collection::vec((-1.0f32..1.0, -1.0f32..1.0), 2..40),
+                                        r in 0.1f32..0.9, k in 1.0f32..2.0) {
+        // About a mean slope of 0, as normal strength scales them.
+        let n = slopes.len() as f32;
+        let mean = slopes.iter().fold((0.0, 0.0), |m, s| (m.0 + s.0 / n, m.1 + s.1 / n));
+        let scaled = |k: f32| -> Moments {
+            slopes.iter().map(|s| texel(Vec3::new(-k * (s.0 - mean.0), -k * (s.1 - mean.1), 1.0).normalize(), r)).sum()
+        };
+        for (fold, form) in all() {
+            let width = |k| fold.lobe(&scaled(k), form).roughness.mean();
+            prop_assert!(width(k) >= width(1.0) * (1.0 - 1e-5), "{} {form:?}", fold.name);
+        }
+    }
+
+    #[test]
+    fn equal_copies_and_order_change_nothing(texels in footprint()) {
+        let mut twice = texels.clone();
+        twice.extend(texels.iter().rev());
+        for (fold, form) in all() {
+            let (once, twice) = (fold.lobe(&moments(&texels), form), fold.lobe(&moments(&twice), form));
+            prop_assert!(distance(&once, &twice) < 2e-5, "{} {form:?}", fold.name);
+        }
+    }
+
+    #[test]
+    fn never_smoother_than_the_smoothest_texel_or_the_plain_average(texels in footprint()) {
+        let sum = moments(&texels);
+        let smoothest = texels.iter().map(|t| t.1).fold(1.0, f32::min).powi(4);
+        let plain = sum.perceptual().powi(4);
+        for (fold, form) in all() {
+            let axes = fold.lobe(&sum, form).axes();
+            prop_assert!(axes.alpha_y.squared() >= smoothest * (1.0 - 1e-4), "{} {form:?}", fold.name);
+            prop_assert!(axes.alpha_y.squared() >= plain * (1.0 - 1e-4) || form == Form::Anisotropic, "{}", fold.name);
+        }
+    }
+
+    #[test]
+    fn hostile_texels_stay_finite_and_bounded(
+        texels in prop::collection::vec((-1.0f32..1.0, -1.0f32..1.0, 0.0f32..1.0, 0.0f32..1.0), 16)
+    ) {
+        // Directions down to the horizon, opposed pairs, mirrors.
+        let grid = Grid { size: Size::new(4, 4), texels: texels.iter().map(|&(x, y, z, r)| {
+            let n = Vec3::new(x.signum() * x.abs().powf(0.1), y, z * z * z + 1e-7).normalize();
+            (n, if r < 0.2 { 0.0 } else { r }, if r > 0.9 { 0.0 } else { 1.0 })
+        }).collect() };
+        for (fold, form) in all() {
+            for level in chain(&grid, &Options { fold, form, ..Options::default() }).levels {
+                for y in 0..level.lobes.size().height {
+                    for x in 0..level.lobes.size().width {
+                        let lobe = level.lobes.at(x, y);
+                        prop_assert!((lobe.normal.length() - 1.0).abs() < 1e-5 && lobe.normal.z >= 0.0);
+                        let axes = lobe.axes();
+                        prop_assert!(axes.alpha_y.0 >= 0.0 && axes.alpha_x.0 <= 1.0 + 1e-6 && axes.angle.is_finite(),
+                            "{} {form:?} {axes:?}", fold.name);
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// What each fold adds to alpha^2 for narrow Gaussian slopes, in units of twice their variance. `sggx` is half by
+/// construction, `average` adds nothing.
+#[test]
+fn narrow_gaussian_slopes_give_the_stated_alpha() {
+    let sigma = 0.02f64;
+    // Equal-probability quantiles of a normal distribution, by bisection of its distribution function.
+    let quantile = |p: f64| {
+        let (mut low, mut high) = (-6.0f64, 6.0f64);
+        for _ in 0..60 {
+            let mid = 0.5 * (low + high);
+            let steps = 2000;
+            let cdf: f64 = (0..steps)
+                .map(|i| (-0.5 * (-6.0 + (mid + 6.0) * (f64::from(i) + 0.5) / f64::from(steps)).powi(2)).exp())
+                .sum::<f64>()
+                * (mid + 6.0)
+                / f64::from(steps)
+                / std::f64::consts::TAU.sqrt();
+            if cdf < p { low = mid } else { high = mid }
+        }
+        0.5 * (low + high)
+    };
+    let n = 64;
+    let nodes: Vec<f64> = (0..n).map(|i| sigma * quantile((f64::from(i) + 0.5) / f64::from(n))).collect();
+    let variance: f64 = nodes.iter().map(|s| s * s).sum::<f64>() / f64::from(n);
+    assert!((variance / (sigma * sigma) - 1.0).abs() < 0.03, "quadrature of the variance: {variance}");
+    let alpha = Alpha(0.05);
+    let mut sum = Moments::default();
+    for sx in &nodes {
+        for sy in &nodes {
+            sum += texel(Vec3::new(-*sx as f32, -*sy as f32, 1.0).normalize(), alpha.perceptual().0);
+        }
+    }
+    for (fold, form) in all() {
+        let expected = match fold.name {
+            "average" => 0.0,
+            "sggx" => 0.5,
+            _ => 1.0,
+        };
+        let lobe = fold.lobe(&sum, form);
+        let added = f64::from(lobe.roughness.mean() - alpha.squared()) / (2.0 * variance);
+        assert!((added - expected).abs() < 0.01, "{} {form:?}: {added}", fold.name);
+    }
+}
+
+/// Texels given one by one: normal, perceptual roughness, coverage; the extra channel counts columns.
+struct Grid {
+    size: Size,
+    texels: Vec<(Vec3, f32, f32)>,
+}
+
+impl Grid {
+    fn at(&self, x: usize, y: usize) -> (Vec3, f32, f32) {
+        self.texels[y * self.size.width + x]
+    }
+
+    fn random(size: Size, seed: u64) -> Self {
+        let mut state = seed;
+        let mut next = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 40) as f32 / (1u64 << 24) as f32
+        };
+        let texels = (0..size.texels())
+            .map(|_| {
+                let n = Vec3::new(next() - 0.5, next() - 0.5, 0.6 + 0.4 * next()).normalize();
+                (n, 0.1 + 0.8 * next(), if next() < 0.1 { 0.0 } else { 1.0 })
+            })
+            .collect();
+        Self { size, texels }
+    }
+}
+
+impl Texels for Grid {
+    fn size(&self) -> Size {
+        self.size
+    }
+
+    fn normals(&self, y: usize, x: usize, out: [&mut [f32]; 3], coverage: &mut [f32]) {
+        let [nx, ny, nz] = out;
+        for i in 0..nx.len() {
+            let (n, _, covered) = self.at(x + i, y);
+            (nx[i], ny[i], nz[i], coverage[i]) = (n.x, n.y, n.z, covered);
+        }
+    }
+
+    fn perceptual(&self, y: usize, x: usize, out: &mut [f32]) {
+        (0..out.len()).for_each(|i| out[i] = self.at(x + i, y).1);
+    }
+
+    fn extras(&self) -> usize {
+        1
+    }
+
+    fn extra(&self, _: usize, _: usize, x: usize, out: &mut [f32]) {
+        (0..out.len()).for_each(|i| out[i] = (x + i) as f32);
+    }
+}
+
+/// The footprint of a texel of level `k`, summed one texel at a time.
+fn footprint_of(grid: &Grid, k: usize, x: usize, y: usize) -> (Moments, f32) {
+    let target = grid.size.level(k);
+    let across = &spans(grid.size.width, target.width)[x];
+    let down = &spans(grid.size.height, target.height)[y];
+    let (mut sum, mut extra, mut area) = (Moments::default(), 0.0, 0.0);
+    for (j, wy) in down.weights.iter().enumerate() {
+        for (i, wx) in across.weights.iter().enumerate() {
+            let (n, r, covered) = grid.at(across.first + i, down.first + j);
+            sum += texel(n, r).scaled(wx * wy * f32::max(covered, crate::moments::UNUSABLE_WEIGHT));
+            extra += wx * wy * (across.first + i) as f32;
+            area += wx * wy;
+        }
+    }
+    (sum, extra / area)
+}
+
+#[test]
+fn every_level_is_folded_from_the_exact_footprint_of_level_0() {
+    // Powers of two, even and odd sides, strips, wider than a tile, more rows than a band.
+    let sizes =
+        [(8, 8), (12, 20), (7, 5), (64, 1), (1, 13), (30, 1), (96, 128), (1088, 3), (1152, 4), (2, 256), (1, 1)];
+    for (width, height) in sizes {
+        let grid = Grid::random(Size::new(width, height), (width * 1000 + height) as u64);
+        for (fold, form) in all() {
+            let options = Options { fold, form, ..Options::default() };
+            let chain = chain(&grid, &options);
+            assert_eq!(chain.levels.len() + 1, grid.size.level_count());
+            for (k, level) in (1..).zip(&chain.levels) {
+                let size = grid.size.level(k);
+                assert_eq!(level.lobes.size(), size);
+                for (x, y) in [(0, 0), (size.width - 1, size.height - 1), (size.width / 2, size.height / 3)] {
+                    let (sum, extra) = footprint_of(&grid, k, x, y);
+                    let mut expected = fold.lobe(&sum, form);
+                    expected.roughness = expected.roughness.clamped(0.0, 1.0);
+                    let error = distance(&expected, &level.lobes.at(x, y));
+                    assert!(error < 2e-4, "{} {form:?} {width}x{height} level {k} at {x},{y}: {error}", fold.name);
+                    assert!((level.extras[(0, y, x)] - extra).abs() < 1e-4 * width as f32);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn the_number_of_threads_does_not_change_a_bit() {
+    for size in [Size::new(256, 128), Size::new(90, 75)] {
+        let grid = Grid::random(size, 3);
+        let options = Options { form: Form::Anisotropic, slope_moments: true, ..Options::default() };
+        let run = |threads| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            pool.install(|| chain(&grid, &options))
+        };
+        assert_eq!(run(1), run(5));
+    }
+}
+
+#[test]
+fn strength_and_bounds() {
+    let grid = Grid::random(Size::new(16, 16), 7);
+    let top = |options: &Options| chain(&grid, options).levels.pop().unwrap().lobes.at(0, 0).roughness;
+    for form in FORMS {
+        let with = |strength| top(&Options { form, strength, ..Options::default() });
+        let (none, half, all) = (with(0.0), with(0.5), with(1.0));
+        let (sum, _) = footprint_of(&grid, 4, 0, 0);
+        assert!((none.mean() - sum.tensor().mean()).abs() < 1e-5);
+        assert!((half.mean() - 0.5 * (none.mean() + all.mean())).abs() < 1e-5);
+        let bounded = top(&Options { form, min_alpha: Alpha(0.9), ..Options::default() }).axes();
+        assert!((bounded.alpha_y.0 - 0.9).abs() < 1e-5);
+        let bounded = top(&Options { form, max_alpha: Alpha(0.1), ..Options::default() }).axes();
+        assert!((bounded.alpha_x.0 - 0.1).abs() < 1e-5);
+    }
+}
+
+#[test]
+fn names_are_unique_and_unknown_ones_are_listed() {
+    for (i, fold) in FOLDS.iter().enumerate() {
+        assert!(std::ptr::eq(Fold::by_name(fold.name).unwrap(), fold));
+        assert!(FOLDS[..i].iter().all(|other| other.name != fold.name));
+    }
+    let error = Fold::by_name("tocsvig").err().unwrap().to_string();
+    assert!(error.contains("'tocsvig'") && error.contains("toksvig, vmf"), "{error}");
+}

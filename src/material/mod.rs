@@ -1,0 +1,5 @@
+//! What channels mean, both ways.
+
+mod texels;
+
+pub use texels::Texels;
