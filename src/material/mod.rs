@@ -1,5 +1,18 @@
-//! What channels mean, both ways.
+//! What channels mean, both ways: roles, packing, Y and roughness conventions, file names, repair.
 
+pub mod detect;
+mod height;
+mod inspect;
+mod load;
+mod pack;
+mod resample;
+mod role;
+mod source;
 mod texels;
 
+pub use inspect::Findings;
+pub use load::{ChannelRef, Inputs, RoughnessInput, load};
+pub use pack::{Encoding, LevelView, pack_row, quantise};
+pub use role::{NormalY, NormalZ, Role};
+pub use source::{MapFile, Material, Origin};
 pub use texels::Texels;

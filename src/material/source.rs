@@ -1,0 +1,178 @@
+//! A material: its maps, and its texels as a fold sees them.
+
+use std::path::PathBuf;
+
+use super::{NormalY, Role, Texels};
+use crate::image::{Raster, Size, Wrap};
+use crate::ndf::RoughnessTensor;
+use crate::roughness::PerceptualRoughness;
+
+/// Where a map came from.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Origin {
+    /// A file as given, its digest and the size it had.
+    File {
+        /// As given on the command line.
+        path: PathBuf,
+        /// SHA-256 of the file, hexadecimal.
+        sha256: String,
+        /// Before any resampling.
+        size: Size,
+        /// "PNG", "JPEG", ...
+        format: &'static str,
+    },
+    /// Made from something else, which is said.
+    Generated(String),
+}
+
+/// One map: a picture whose channels have roles. Comes back in the same packing.
+#[derive(Clone, Debug)]
+pub struct MapFile {
+    /// Base name of the outputs, without extension.
+    pub stem: String,
+    /// Where it came from.
+    pub origin: Origin,
+    /// Level 0, at the material's size.
+    pub raster: Raster,
+    /// Bits a sample on the way out: 8, 16 or 32 (float).
+    pub bits: u8,
+    /// One role a channel.
+    pub roles: Vec<Role>,
+    /// Whether normals are stored as -1..1 (float files) and not as 0..1.
+    pub signed: bool,
+}
+
+impl MapFile {
+    /// The channel with this role.
+    pub fn channel(&self, role: Role) -> Option<usize> {
+        self.roles.iter().position(|r| *r == role)
+    }
+}
+
+/// Normals: a map and how to read it.
+#[derive(Clone, Debug)]
+pub(super) struct NormalSource {
+    pub map: usize,
+    pub channels: [Option<usize>; 3],
+}
+
+/// Maps of one surface, all of one size, linear.
+#[derive(Clone, Debug)]
+pub struct Material {
+    /// For messages and output names.
+    pub name: String,
+    /// Of level 0 of every map.
+    pub size: Size,
+    /// Every map that comes back.
+    pub maps: Vec<MapFile>,
+    /// Convention of the normal map.
+    pub normal_y: NormalY,
+    /// Strength that the renderer multiplies x and y of the normal with (glTF's `normalTexture.scale`).
+    pub normal_scale: f32,
+    /// What lies beyond the border.
+    pub wrap: Wrap,
+    /// What was understood, ignored or assumed.
+    pub notes: Vec<String>,
+    /// What is probably wrong with the input.
+    pub warnings: Vec<String>,
+    /// Map and channel of the normals; flat without.
+    pub(super) normal: Option<NormalSource>,
+    /// Map and channel of the roughness or smoothness; constant without.
+    pub(super) width: Option<(usize, usize)>,
+    /// Perceptual roughness where no map gives one.
+    pub constant: PerceptualRoughness,
+    /// Map and channels of direction x, y and strength.
+    pub(super) anisotropy: Option<(usize, [usize; 3])>,
+    /// Map and channel of each plainly averaged channel.
+    pub(super) others: Vec<(usize, usize)>,
+}
+
+/// Normals shorter than this have no direction: a twentieth of what 8-bit rounding does to a unit vector.
+pub(super) const SHORTEST_NORMAL: f32 = 0.1;
+
+impl Texels for Material {
+    fn size(&self) -> Size {
+        self.size
+    }
+
+    fn normals(&self, y: usize, x: usize, out: [&mut [f32]; 3], coverage: &mut [f32]) {
+        let [nx, ny, nz] = out;
+        let Some(source) = &self.normal else {
+            nx.fill(0.0);
+            ny.fill(0.0);
+            nz.fill(1.0);
+            coverage.fill(1.0);
+            return;
+        };
+        let map = &self.maps[source.map];
+        for (channel, row) in source.channels.into_iter().zip([&mut *nx, &mut *ny, &mut *nz]) {
+            if let Some(channel) = channel {
+                map.raster.read(channel, y, x, row);
+            }
+        }
+        let rebuild = source.channels[2].is_none();
+        let (scale, offset) = if map.signed { (1.0, 0.0) } else { (2.0, -1.0) };
+        let (strength, sign) = (self.normal_scale, self.normal_y.sign());
+        let n = coverage.len();
+        let (nx, ny, nz) = (&mut nx[..n], &mut ny[..n], &mut nz[..n]);
+        for i in 0..n {
+            let (vx, vy) = (scale * nx[i] + offset, sign * (scale * ny[i] + offset));
+            let rebuilt = (1.0 - vx * vx - vy * vy).max(0.0).sqrt();
+            let vz = if rebuild { rebuilt } else { scale * nz[i] + offset };
+            let length2 = vx * vx + vy * vy + vz * vz;
+            // Comparisons with NaN are false, so this also refuses what is not a number.
+            let usable = (vz > 0.0) & (length2 > SHORTEST_NORMAL * SHORTEST_NORMAL) & (length2 < f32::MAX);
+            let (sx, sy) = (strength * vx, strength * vy);
+            let inverse = 1.0 / (sx * sx + sy * sy + vz * vz).sqrt();
+            nx[i] = if usable { sx * inverse } else { 0.0 };
+            ny[i] = if usable { sy * inverse } else { 0.0 };
+            nz[i] = if usable { vz * inverse } else { 1.0 };
+            coverage[i] = if usable { 1.0 } else { 0.0 };
+        }
+    }
+
+    fn perceptual(&self, y: usize, x: usize, out: &mut [f32]) {
+        let Some((map, channel)) = self.width else {
+            out.fill(self.constant.0);
+            return;
+        };
+        let map = &self.maps[map];
+        map.raster.read(channel, y, x, out);
+        let smoothness = map.roles[channel] == Role::Smoothness;
+        for v in out {
+            let r = if smoothness { 1.0 - *v } else { *v };
+            // What is not a number becomes rough: it cannot sparkle.
+            *v = if r.is_finite() { r.clamp(0.0, 1.0) } else { 1.0 };
+        }
+    }
+
+    fn is_anisotropic(&self) -> bool {
+        self.anisotropy.is_some()
+    }
+
+    fn tensors(&self, y: usize, x: usize, perceptual: &[f32], [xx, xy, yy]: [&mut [f32]; 3]) {
+        let (map, channels) = self.anisotropy.expect("asked only where there is anisotropy");
+        for (channel, row) in channels.into_iter().zip([&mut *xx, &mut *xy, &mut *yy]) {
+            self.maps[map].raster.read(channel, y, x, row);
+        }
+        for (i, r) in perceptual.iter().enumerate() {
+            let (dx, dy, strength) = (2.0 * xx[i] - 1.0, 2.0 * xy[i] - 1.0, yy[i].clamp(0.0, 1.0));
+            let length = (dx * dx + dy * dy).sqrt();
+            let (cos, sin) = if length > SHORTEST_NORMAL { (dx / length, dy / length) } else { (1.0, 0.0) };
+            let alpha = r * r;
+            // glTF KHR_materials_anisotropy: alpha_t = mix(alpha, 1, strength^2), alpha_b = alpha.
+            let along = alpha + (1.0 - alpha) * strength * strength;
+            let tensor = RoughnessTensor { xx: along * along, xy: 0.0, yy: alpha * alpha }.rotated(cos, sin);
+            (xx[i], xy[i], yy[i]) = (tensor.xx, tensor.xy, tensor.yy);
+        }
+    }
+
+    fn extras(&self) -> usize {
+        self.others.len()
+    }
+
+    fn extra(&self, index: usize, y: usize, x: usize, out: &mut [f32]) {
+        let (map, channel) = self.others[index];
+        self.maps[map].raster.read(channel, y, x, out);
+    }
+}
