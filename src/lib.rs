@@ -3,6 +3,8 @@
 pub mod error;
 pub mod image;
 pub mod ndf;
+// render
 pub mod roughness;
+pub mod sample;
 
 pub use error::{Error, Result};
