@@ -3,7 +3,7 @@
 pub mod error;
 pub mod image;
 pub mod ndf;
-// render
+pub mod render;
 pub mod roughness;
 pub mod sample;
 
