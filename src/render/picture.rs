@@ -73,3 +73,18 @@ pub fn tonemap(image: &Image, exposure: f32) -> Raster {
         (255.0 * encoded + 0.5) as u8
     })))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tonemap_worked_by_hand() {
+        // exp(-ln 2) leaves half, which sRGB encodes as 0.7354; the curve's straight part starts from 0.
+        let radiance = [0.0, 0.001, 0.5 * std::f32::consts::LN_2, 1e9];
+        let image = Array3::from_shape_fn((1, 4, 3), |(_, x, _)| radiance[x]);
+        let raster = tonemap(&image, 2.0);
+        let bytes = [0, 1, 2, 3].map(|x| (255.0 * raster.at(x, 0, 1)).round());
+        assert_eq!(bytes, [0.0, 7.0, 188.0, 255.0]);
+    }
+}

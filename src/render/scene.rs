@@ -121,7 +121,13 @@ impl Scene {
     /// A silvery panel that leans back until a smaller window, which stands before it, shows in its middle; exposed
     /// for the window.
     pub fn studio_panel() -> Self {
-        Self { shape: Shape::Plane { tilt: 0.42 }, lights: studio_lights(-2.0, 12.0), exposure: 0.3, ..Self::studio() }
+        Self {
+            shape: Shape::Plane { tilt: 0.42 },
+            lights: studio_lights(-2.0, 12.0),
+            background: Vec3::splat(0.04),
+            exposure: 0.3,
+            ..Self::studio()
+        }
     }
 }
 
