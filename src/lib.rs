@@ -6,6 +6,8 @@ pub mod image;
 pub mod material;
 pub mod moments;
 pub mod ndf;
+pub mod render;
 pub mod roughness;
+pub mod sample;
 
 pub use error::{Error, Result};

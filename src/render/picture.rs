@@ -1,0 +1,90 @@
+//! Drawing.
+
+use glam::{Vec2, Vec3};
+use ndarray::Array3;
+use rayon::prelude::*;
+
+use super::Scene;
+use super::geometry::hit;
+use super::shade::Lighting;
+use super::texture::Texture;
+use crate::image::{Raster, Samples};
+use crate::ndf::Lobes;
+
+/// Radiance, linear RGB, axes (row, column, channel).
+pub type Image = Array3<f32>;
+
+/// Where lobes come from. Either way a pixel is the mean radiance of `per_side` x `per_side` rays, each through the
+/// middle of its share of the pixel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Sampling {
+    /// From the chain, trilinear, at the level that fits the whole pixel. One ray is what a game draws; more rays
+    /// smooth the shape's rim and curvature, and leave what the chain does to the texture.
+    Mips {
+        /// Rays along one side of a pixel.
+        per_side: usize,
+    },
+    /// From level 0, bilinear: the truth, once rays lie closer than texels.
+    Supersampled {
+        /// Rays along one side of a pixel.
+        per_side: usize,
+    },
+}
+
+/// A square picture, `pixels` wide, of the scene's object covered in a mip chain: `levels`, level 0 first, each half
+/// as large as the one before, repeating.
+pub fn render(scene: &Scene, levels: &[Lobes], pixels: usize, sampling: Sampling) -> Image {
+    let texture = Texture::new(levels);
+    let lighting = Lighting::new(&scene.lights, scene.f0);
+    let radiance = |place: Vec2| {
+        let Some(hit) = hit(scene, place, pixels) else { return scene.background };
+        let lobe = match sampling {
+            Sampling::Mips { .. } => texture.mipped(hit.uv, hit.footprint),
+            Sampling::Supersampled { .. } => texture.base(hit.uv),
+        };
+        lighting.radiance(&lobe, hit.normal, hit.frame, hit.view)
+    };
+    let (Sampling::Mips { per_side } | Sampling::Supersampled { per_side }) = sampling;
+    // Rays count from the picture's top left corner.
+    let rays = (pixels * per_side) as f32;
+    let place = |ray: usize| (2 * ray + 1) as f32 / rays - 1.0;
+    let pixel = |x: usize, y: usize| {
+        let row = |y: usize| -> Vec3 {
+            (x * per_side..(x + 1) * per_side).map(|x| radiance(Vec2::new(place(x), -place(y)))).sum()
+        };
+        (y * per_side..(y + 1) * per_side).map(row).sum::<Vec3>() / (per_side * per_side) as f32
+    };
+    let mut image = Image::zeros((pixels, pixels, 3));
+    let rows = image.as_slice_mut().expect("standard layout").par_chunks_mut(3 * pixels);
+    rows.enumerate().for_each(|(y, row)| {
+        for (x, out) in row.chunks_exact_mut(3).enumerate() {
+            out.copy_from_slice(&pixel(x, y).to_array());
+        }
+    });
+    image
+}
+
+/// 8-bit sRGB: `1 - exp(-exposure x radiance)` per channel, which keeps highlights apart that plain clipping would
+/// make all white, then the curve of IEC 61966-2-1.
+pub fn tonemap(image: &Image, exposure: f32) -> Raster {
+    Raster::new(Samples::U8(image.mapv(|radiance| {
+        let linear = 1.0 - (-exposure * radiance).exp();
+        let encoded = if linear <= 0.0031308 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 };
+        (255.0 * encoded + 0.5) as u8
+    })))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tonemap_worked_by_hand() {
+        // exp(-ln 2) leaves half, which sRGB encodes as 0.7354; the curve's straight part starts from 0.
+        let radiance = [0.0, 0.001, 0.5 * std::f32::consts::LN_2, 1e9];
+        let image = Array3::from_shape_fn((1, 4, 3), |(_, x, _)| radiance[x]);
+        let raster = tonemap(&image, 2.0);
+        let bytes = [0, 1, 2, 3].map(|x| (255.0 * raster.at(x, 0, 1)).round());
+        assert_eq!(bytes, [0.0, 7.0, 188.0, 255.0]);
+    }
+}
