@@ -27,6 +27,9 @@ use crate::image::{Raster, Samples, Size};
 /// Sides of a tile, in texels.
 const TILE: usize = 64;
 
+/// Half the time and four fifths the size of PIZ on lobes in tiles this small, whose every tile would carry a code book.
+const COMPRESSION: Compression = Compression::ZIP16;
+
 /// Tiles in flight for each thread: enough that threads seldom wait for each other.
 const TILES_PER_THREAD: usize = 16;
 
@@ -85,7 +88,7 @@ fn write_tiles(out: &mut dyn Sink, channels: &[Channel], size: Size, fill: Fill)
         rounding_mode: RoundingMode::Down,
     };
     let mut header = Header::new(Text::default(), Vec2(size.width, size.height), list)
-        .with_encoding(comp(), BlockDescription::Tiles(mip_mapped), LineOrder::Increasing)
+        .with_encoding(COMPRESSION, BlockDescription::Tiles(mip_mapped), LineOrder::Increasing)
         .with_attributes(LayerAttributes::default());
     // A file of one part needs no name.
     header.own_attributes.layer_name = None;
@@ -124,16 +127,6 @@ fn write_tiles(out: &mut dyn Sink, channels: &[Channel], size: Size, fill: Fill)
         }
         Ok(())
     })
-}
-
-fn comp() -> Compression {
-    match std::env::var("COMP").as_deref() {
-        Ok("zip16") => Compression::ZIP16,
-        Ok("zip1") => Compression::ZIP1,
-        Ok("rle") => Compression::RLE,
-        Ok("none") => Compression::Uncompressed,
-        _ => Compression::PIZ,
-    }
 }
 
 fn description(channel: &Channel) -> ::exr::error::Result<ChannelDescription> {
@@ -201,12 +194,13 @@ impl<'a> Layer<'a> {
             .iter()
             .position(|header| header.layer_size.area() > 0 && !header.channels.list.is_empty())
             .ok_or_else(|| source.broken("no part has texels"))?;
-        // Each block has its place in a table: a cheap measure of what the file must hold.
-        let chunks = reader.headers().iter().fold(0u64, |sum, header| sum.saturating_add(header.chunk_count as u64));
-        source.holds(chunks.saturating_mul(8), 1)?;
         let layer = Self { source, reader, number };
         let header = layer.header();
         let size = source.size(header.layer_size.x() as u64, header.layer_size.y() as u64)?;
+        // Each block has its place in a table: a cheap measure of what the file must hold.
+        let chunks =
+            layer.reader.headers().iter().fold(0u64, |sum, header| sum.saturating_add(header.chunk_count as u64));
+        source.holds(chunks.saturating_mul(8), 1)?;
         // The smaller levels and the block at hand fit in as much again.
         source.memory(size, header.channels.list.len().saturating_mul(8))?;
         if header.channels.list.iter().any(|channel| channel.sampling != Vec2(1, 1)) {

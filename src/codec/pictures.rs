@@ -23,7 +23,10 @@ pub(super) fn decode(source: &Source) -> Result<(Raster, Vec<String>)> {
             finish(source, JpegDecoder::new(cursor))
         }
         Format::Tga => finish(source, TgaDecoder::new(cursor)),
-        Format::Bmp => finish(source, BmpDecoder::new(cursor)),
+        Format::Bmp => {
+            check_bmp(source)?;
+            finish(source, BmpDecoder::new(cursor))
+        }
         Format::WebP => {
             let decoder = WebPDecoder::new(cursor).map_err(|error| failure(source, error))?;
             if decoder.has_animation() {
@@ -104,14 +107,23 @@ fn check_length(source: &Source, size: Size) -> Result<()> {
                 _ => source.holds(texels * texel_bytes, 1),
             }
         }
-        Format::Bmp => {
-            let bits = u64::from(byte(28));
-            // Run lengths (1 and 2) have no bound; the short header of 12 bytes has neither field here.
-            let uncompressed = byte(14) >= 40 && !matches!(byte(30), 1 | 2);
-            let row_bytes = (size.width as u64 * bits).div_ceil(32) * 4;
-            if uncompressed { source.holds(row_bytes * size.height as u64, 1) } else { Ok(()) }
-        }
         _ => Ok(()),
+    }
+}
+
+/// Checks a BMP file's size against its length, where it has the usual header of at least 40 bytes.
+fn check_bmp(source: &Source) -> Result<()> {
+    let word = |at: usize| source.bytes.get(at..at + 4).map_or(0, |b| u32::from_le_bytes([b[0], b[1], b[2], b[3]]));
+    if word(14) < 40 {
+        return Ok(());
+    }
+    // Rows that run down have a negative height.
+    let size = source.size(word(18).into(), word(22).cast_signed().unsigned_abs().into())?;
+    let bits = u64::from(word(28) & 0xffff);
+    match word(30) {
+        // Run lengths have no bound.
+        1 | 2 => Ok(()),
+        _ => source.holds((size.width as u64 * bits).div_ceil(32) * 4 * size.height as u64, 1),
     }
 }
 

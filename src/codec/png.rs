@@ -91,7 +91,7 @@ fn color_notes(bytes: &[u8]) -> Option<String> {
             (b"gAMA", &[a, b, c, d]) => {
                 let gamma = u32::from_be_bytes([a, b, c, d]);
                 if gamma != 100_000 {
-                    claims.push(format!("has a gamma of {:.4}", f64::from(gamma) / 1e5));
+                    claims.push(format!("has a gamma of {}", f64::from(gamma) / 1e5));
                 }
             }
             _ => {}
