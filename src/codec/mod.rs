@@ -1,0 +1,209 @@
+//! Bytes to images and back. Knows formats, not meaning: samples come out as the file holds them, never converted
+//! between colour spaces, never rotated.
+//!
+//! | format | told by | samples |
+//! |---|---|---|
+//! | PNG | content | 8, 16 bit; palettes, 1, 2 and 4 bit and transparent colours are expanded |
+//! | JPEG | content | 8 bit gray or RGB |
+//! | TIFF | content | 8, 16 bit, half, float, double; gray, RGB, with or without alpha |
+//! | TGA | the extension, for it has no magic number | 8 bit |
+//! | BMP, WebP | content | 8 bit |
+//! | Radiance HDR | content | float |
+//! | OpenEXR | content | half, float, unsigned integer; any channels, any data window |
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::Path;
+
+use sha2::{Digest, Sha256};
+
+use crate::error::{Error, Result};
+use crate::image::{Raster, Size};
+
+pub mod exr;
+mod pictures;
+pub mod png;
+mod tiff;
+
+#[cfg(test)]
+mod tests;
+
+pub use exr::{Channel, Depth, read_exr_levels, write_exr};
+pub use png::write_png;
+
+/// The most texels that a picture may have: 32768 x 32768.
+pub const MAX_TEXELS: u64 = 1 << 30;
+
+/// A picture as its file holds it.
+#[derive(Clone, Debug)]
+pub struct Decoded {
+    /// The samples.
+    pub raster: Raster,
+    /// The format found, by its usual name: `PNG`, `JPEG`, `OpenEXR`.
+    pub format: &'static str,
+    /// What the file says about itself and was not obeyed, in plain words: colour spaces, orientation, further layers.
+    pub notes: Vec<String>,
+    /// SHA-256 of the file, 64 lower-case hexadecimal digits.
+    pub sha256: String,
+    /// Length of the file in bytes.
+    pub bytes_len: usize,
+}
+
+/// Reads a picture. The format is told by the content, whatever the file is called; TGA, which has no magic number,
+/// by its extension.
+///
+/// # Errors
+/// [`Error::Io`] if the file cannot be read; [`Error::Invalid`] if it is not a picture, is cut short or damaged, or
+/// claims more texels than its length can hold; [`Error::Unsupported`] if it has more than [`MAX_TEXELS`] or uses a part
+/// of its format that is not read here.
+pub fn read(path: &Path) -> Result<Decoded> {
+    let bytes = file(path)?;
+    let format = Format::of(path, &bytes)?;
+    let source = Source { path, bytes: &bytes, format };
+    let (raster, notes) = source.guard(|| match format {
+        Format::Png => png::decode(&source),
+        Format::Exr => exr::decode(&source),
+        Format::Tiff => tiff::decode(&source),
+        _ => pictures::decode(&source),
+    })?;
+    let sha256 = Sha256::digest(&bytes).iter().map(|byte| format!("{byte:02x}")).collect();
+    Ok(Decoded { raster, format: format.name(), notes, sha256, bytes_len: bytes.len() })
+}
+
+fn file(path: &Path) -> Result<Vec<u8>> {
+    if path.is_dir() {
+        return Err(Error::invalid(path, "a folder", "a picture file"));
+    }
+    std::fs::read(path).map_err(|error| Error::io(path, error))
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Format {
+    Png,
+    Jpeg,
+    Tiff,
+    Tga,
+    Bmp,
+    WebP,
+    Hdr,
+    Exr,
+}
+
+impl Format {
+    fn name(self) -> &'static str {
+        match self {
+            Format::Png => "PNG",
+            Format::Jpeg => "JPEG",
+            Format::Tiff => "TIFF",
+            Format::Tga => "TGA",
+            Format::Bmp => "BMP",
+            Format::WebP => "WebP",
+            Format::Hdr => "Radiance HDR",
+            Format::Exr => "OpenEXR",
+        }
+    }
+
+    fn of(path: &Path, bytes: &[u8]) -> Result<Self> {
+        Ok(match bytes {
+            [0x89, b'P', b'N', b'G', b'\r', b'\n', 0x1a, b'\n', ..] => Format::Png,
+            [0xff, 0xd8, 0xff, ..] => Format::Jpeg,
+            // 42 is TIFF, 43 its 64-bit variety.
+            [b'I', b'I', 42 | 43, 0, ..] | [b'M', b'M', 0, 42 | 43, ..] => Format::Tiff,
+            [b'R', b'I', b'F', b'F', _, _, _, _, b'W', b'E', b'B', b'P', ..] => Format::WebP,
+            [0x76, 0x2f, 0x31, 0x01, ..] => Format::Exr,
+            _ if bytes.starts_with(b"#?RADIANCE") || bytes.starts_with(b"#?RGBE") => Format::Hdr,
+            _ if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("tga")) && !bytes.is_empty() => Format::Tga,
+            [b'B', b'M', ..] => Format::Bmp,
+            _ => return Err(Error::invalid(path, unknown(bytes), "PNG, JPEG, TIFF, TGA, BMP, WebP, HDR or EXR data")),
+        })
+    }
+}
+
+/// What a file that is no picture of ours seems to be.
+fn unknown(bytes: &[u8]) -> String {
+    let known: [(&[u8], &str); 6] = [
+        (b"GIF8", "a GIF picture"),
+        (b"DDS ", "a DDS texture"),
+        (b"\xabKTX", "a KTX texture"),
+        (b"8BPS", "a Photoshop document"),
+        (b"glTF", "a GLB scene"),
+        (b"PK\x03\x04", "a ZIP archive"),
+    ];
+    if let Some((_, name)) = known.iter().find(|(magic, _)| bytes.starts_with(magic)) {
+        return (*name).to_owned();
+    }
+    let start = &bytes[..bytes.len().min(64)];
+    match start {
+        [] => "an empty file".to_owned(),
+        _ if start.is_ascii() && !start.contains(&0) => "a text file".to_owned(),
+        _ => format!("data of an unknown kind, starting with bytes {:02x?}", &start[..start.len().min(4)]),
+    }
+}
+
+/// A file's bytes, and its errors: each names the file and its format.
+struct Source<'a> {
+    path: &'a Path,
+    bytes: &'a [u8],
+    format: Format,
+}
+
+impl Source<'_> {
+    /// The decoder gave up: the file is damaged or cut short.
+    fn broken(&self, why: impl std::fmt::Display) -> Error {
+        let name = self.format.name();
+        Error::invalid(
+            self.path,
+            format!("{name} data that cannot be decoded ({why})"),
+            format!("a whole and undamaged {name} file"),
+        )
+    }
+
+    /// The file is fine but beyond us.
+    fn unsupported(&self, found: impl std::fmt::Display, supported: &str) -> Error {
+        Error::unsupported(self.path, format!("{} with {found}", self.format.name()), supported)
+    }
+
+    /// Checks the sides that a header claims.
+    fn size(&self, width: u64, height: u64) -> Result<Size> {
+        if width == 0 || height == 0 {
+            return Err(Error::invalid(self.path, format!("a size of {width}x{height}"), "sides of at least 1 texel"));
+        }
+        if width.checked_mul(height).is_none_or(|texels| texels > MAX_TEXELS) {
+            return Err(self.unsupported(
+                format!("{width}x{height} texels"),
+                &format!("up to {MAX_TEXELS} texels (2^30, as 32768x32768)"),
+            ));
+        }
+        Ok(Size::new(width as usize, height as usize))
+    }
+
+    /// Checks that a file this long can hold `needed` bytes if each of its bytes stands for up to `ratio` of them, and
+    /// so protects against small files that claim to be huge.
+    fn holds(&self, needed: u64, ratio: u64) -> Result<()> {
+        let length = self.bytes.len() as u64;
+        if needed > length.saturating_mul(ratio) {
+            return Err(Error::invalid(
+                self.path,
+                format!(
+                    "a truncated or hostile {} file: {length} bytes for {needed} bytes of texels",
+                    self.format.name()
+                ),
+                format!("at least {} bytes", needed.div_ceil(ratio)),
+            ));
+        }
+        Ok(())
+    }
+
+    /// Checks that there is memory for the samples: a failed allocation would end the process.
+    fn memory(&self, size: Size, bytes_per_texel: usize) -> Result<()> {
+        let bytes = size.texels().saturating_mul(bytes_per_texel);
+        // Reserved and given back untouched: costs nothing.
+        Vec::<u8>::new().try_reserve_exact(bytes).map_err(|_| {
+            self.unsupported(format!("{size} texels of {bytes_per_texel} bytes"), "what fits in this machine's memory")
+        })
+    }
+
+    /// Runs a decoder; a panic inside (third-party decoders have been seen to) is an error about the file.
+    fn guard<T>(&self, decode: impl FnOnce() -> Result<T>) -> Result<T> {
+        catch_unwind(AssertUnwindSafe(decode)).unwrap_or_else(|_| Err(self.broken("the decoder failed on it")))
+    }
+}
