@@ -7,6 +7,7 @@ pub mod image;
 pub mod material;
 pub mod moments;
 pub mod ndf;
+pub mod output;
 pub mod render;
 pub mod roughness;
 pub mod sample;

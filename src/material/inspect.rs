@@ -2,8 +2,8 @@
 
 use rayon::prelude::*;
 
+use super::Material;
 use super::source::SHORTEST_NORMAL;
-use super::{Material, Texels};
 
 /// Counts over level 0.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -22,8 +22,6 @@ pub struct Findings {
     pub mean_length: f64,
     /// Mean of the stored x and y, -1..1.
     pub mean_xy: [f64; 2],
-    /// Mean absolute x and y about their own mean.
-    pub spread_xy: f64,
 }
 
 impl Findings {
@@ -49,5 +47,59 @@ impl Findings {
         self.mean_length += o.mean_length;
         (0..2).for_each(|i| self.mean_xy[i] += o.mean_xy[i]);
         self
+    }
+}
+
+impl Material {
+    /// Counts what is wrong with the texels, row by row in parallel.
+    pub fn inspect(&self) -> Findings {
+        let rows = (0..self.size.height)
+            .into_par_iter()
+            .map_init(|| vec![0.0; 4 * self.size.width], |buffer, y| self.inspect_row(y, buffer));
+        // Collected before adding, so that the sums do not depend on how rows were shared out.
+        let rows: Vec<Findings> = rows.collect();
+        let mut all = rows.iter().fold(Findings::default(), Findings::add);
+        let n = all.texels as f64;
+        all.mean_length /= n;
+        all.mean_xy = all.mean_xy.map(|sum| sum / n);
+        all
+    }
+
+    fn inspect_row(&self, y: usize, buffer: &mut [f32]) -> Findings {
+        let width = self.size.width;
+        let mut found = Findings { texels: width, ..Findings::default() };
+        let mut rows = buffer.chunks_exact_mut(width);
+        let [nx, ny, nz, roughness] = std::array::from_fn(|_| rows.next().expect("four rows"));
+        if let Some(source) = &self.normal {
+            let map = &self.maps[source.map];
+            for (channel, row) in source.channels.into_iter().zip([&mut *nx, &mut *ny, &mut *nz]) {
+                if let Some(channel) = channel {
+                    map.raster.read(channel, y, 0, row);
+                }
+            }
+            let (scale, offset) = if map.signed { (1.0, 0.0) } else { (2.0, -1.0) };
+            let stored_z = source.channels[2].is_some();
+            let (mut length_sum, mut x_sum, mut y_sum) = (0.0f64, 0.0f64, 0.0f64);
+            for x in 0..width {
+                let [vx, vy] = [nx[x], ny[x]].map(|v| scale * v + offset);
+                let vz = if stored_z { scale * nz[x] + offset } else { (1.0 - vx * vx - vy * vy).max(0.0).sqrt() };
+                let length2 = vx * vx + vy * vy + vz * vz;
+                let directed = (length2 > SHORTEST_NORMAL * SHORTEST_NORMAL) & (length2 < f32::MAX);
+                found.directionless += usize::from(!directed);
+                found.behind += usize::from(directed & (vz <= 0.0));
+                if directed {
+                    length_sum += f64::from(length2.sqrt());
+                    x_sum += f64::from(vx);
+                    y_sum += f64::from(vy);
+                }
+            }
+            (found.mean_length, found.mean_xy) = (length_sum, [x_sum, y_sum]);
+        }
+        if let Some((map, channel)) = self.width {
+            self.maps[map].raster.read(channel, y, 0, roughness);
+            found.roughness_not_finite = roughness.iter().filter(|v| !v.is_finite()).count();
+            found.roughness_outside = roughness.iter().filter(|v| v.is_finite() && !(0.0..=1.0).contains(*v)).count();
+        }
+        found
     }
 }

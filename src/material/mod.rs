@@ -11,8 +11,8 @@ mod source;
 mod texels;
 
 pub use inspect::Findings;
-pub use load::{ChannelRef, Inputs, RoughnessInput, load};
-pub use pack::{Encoding, LevelView, pack_row, quantise};
+pub use load::{ChannelRef, DEFAULT_HEIGHT_SCALE, DEFAULT_ROUGHNESS, Inputs, RoughnessInput, load};
+pub use pack::{Encoding, LevelView};
 pub use role::{NormalY, NormalZ, Role};
 pub use source::{MapFile, Material, Origin};
 pub use texels::Texels;

@@ -1,0 +1,452 @@
+//! From file names to a material.
+
+use std::path::{Path, PathBuf};
+
+use ndarray::Array3;
+
+use super::source::{MapFile, Material, NormalSource, Origin};
+use super::{NormalY, NormalZ, Role, height, resample};
+use crate::codec;
+use crate::error::{Error, Result};
+use crate::image::{Raster, Samples, Size, Wrap};
+use crate::roughness::PerceptualRoughness;
+
+/// A file, and a channel of it if one was named.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ChannelRef {
+    /// The picture.
+    pub path: PathBuf,
+    /// Index of the channel; by default the green one of colour pictures (glTF's place for roughness; the same as
+    /// the others where gray is stored as colour), else the first.
+    pub channel: Option<usize>,
+}
+
+impl ChannelRef {
+    /// `file.png` or `file.png:g`; channels are r g b a, or 0 to 3.
+    pub fn parse(text: &str) -> Self {
+        if let Some((path, name)) = text.rsplit_once(':') {
+            let channel = ["r", "g", "b", "a"].iter().position(|c| c.eq_ignore_ascii_case(name));
+            let channel = channel.or_else(|| name.parse().ok().filter(|c| *c < 4 && name.len() == 1));
+            if channel.is_some() && !path.is_empty() {
+                return Self { path: path.into(), channel };
+            }
+        }
+        Self { path: text.into(), channel: None }
+    }
+}
+
+/// Where the base width comes from.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub enum RoughnessInput {
+    /// Nowhere: [`DEFAULT_ROUGHNESS`] everywhere.
+    #[default]
+    Missing,
+    /// The same everywhere.
+    Constant(PerceptualRoughness),
+    /// A channel of perceptual roughness.
+    Roughness(ChannelRef),
+    /// A channel of gloss or smoothness.
+    Smoothness(ChannelRef),
+}
+
+/// Perceptual roughness of a material that gives none.
+pub const DEFAULT_ROUGHNESS: PerceptualRoughness = PerceptualRoughness(0.5);
+
+/// Height range of a height map in widths of the texture, where none is given.
+pub const DEFAULT_HEIGHT_SCALE: f32 = 0.03;
+
+/// What a material is made from. At least one of normal, height and a roughness map must be there.
+#[derive(Clone, Debug, Default)]
+pub struct Inputs {
+    /// For messages and output names.
+    pub name: String,
+    /// Tangent-space normal map.
+    pub normal: Option<PathBuf>,
+    /// Base width.
+    pub roughness: RoughnessInput,
+    /// glTF's anisotropy texture: direction in red and green, strength in blue.
+    pub anisotropy: Option<PathBuf>,
+    /// Height map, from which normals are derived if there is no normal map.
+    pub height: Option<PathBuf>,
+    /// Convention of the normal map.
+    pub normal_y: NormalY,
+    /// Where z comes from.
+    pub normal_z: NormalZ,
+    /// Strength that the renderer multiplies x and y of the normal with; `None` for 1.
+    pub normal_scale: Option<f32>,
+    /// Height of white over black in widths of the texture.
+    pub height_scale: Option<f32>,
+    /// What lies beyond the border.
+    pub wrap: Wrap,
+    /// What was decided on the way to these inputs, said again in the material's notes.
+    pub notes: Vec<String>,
+}
+
+/// Reads all maps of a material and brings them to one size.
+///
+/// # Errors
+/// Files that cannot be read; channels that a file lacks; a set without any map to fold.
+pub fn load(inputs: &Inputs) -> Result<Material> {
+    let mut builder = Builder { material: empty(inputs), paths: Vec::new() };
+    let (normal, height) = (inputs.normal.as_deref(), inputs.height.as_deref());
+    let width = match &inputs.roughness {
+        RoughnessInput::Roughness(c) | RoughnessInput::Smoothness(c) => Some(c.path.as_path()),
+        RoughnessInput::Missing | RoughnessInput::Constant(_) => None,
+    };
+    if normal.is_none() && height.is_none() && width.is_none() {
+        return Err(Error::invalid_option(&inputs.name, "no maps", "a normal map, a height map or a roughness map"));
+    }
+    builder.read_all([normal, width, inputs.anisotropy.as_deref()].into_iter().flatten())?;
+    match (normal, height) {
+        (Some(path), height) => {
+            builder.add_normal(path, inputs.normal_z)?;
+            if height.is_some() {
+                builder.note("the height map is not needed: there is a normal map");
+            }
+        }
+        (None, Some(path)) => builder.add_height(path, inputs)?,
+        (None, None) => builder.note("no normal map: the surface is taken as flat"),
+    }
+    match &inputs.roughness {
+        RoughnessInput::Roughness(channel) => builder.add_width(channel, Role::Roughness)?,
+        RoughnessInput::Smoothness(channel) => builder.add_width(channel, Role::Smoothness)?,
+        RoughnessInput::Constant(r) => builder.material.constant = *r,
+        RoughnessInput::Missing => builder.note(format!(
+            "no roughness given: perceptual roughness {} everywhere (--roughness sets it)",
+            DEFAULT_ROUGHNESS.0
+        )),
+    }
+    if let Some(path) = &inputs.anisotropy {
+        builder.add_anisotropy(path)?;
+    }
+    builder.finish()
+}
+
+fn empty(inputs: &Inputs) -> Material {
+    Material {
+        name: inputs.name.clone(),
+        size: Size::new(1, 1),
+        maps: Vec::new(),
+        normal_y: inputs.normal_y,
+        normal_scale: inputs.normal_scale.unwrap_or(1.0),
+        wrap: inputs.wrap,
+        notes: inputs.notes.clone(),
+        warnings: Vec::new(),
+        normal: None,
+        width: None,
+        constant: DEFAULT_ROUGHNESS,
+        anisotropy: None,
+        others: Vec::new(),
+    }
+}
+
+impl Material {
+    /// Adds the map that folded anisotropy is written to, in glTF's form, if no input brought one: isotropic at
+    /// level 0.
+    pub fn ensure_anisotropy_map(&mut self) {
+        let roles = vec![Role::AnisotropyX, Role::AnisotropyY, Role::AnisotropyStrength];
+        if self.maps.iter().any(|map| map.channel(Role::AnisotropyX).is_some()) {
+            return;
+        }
+        let Size { width, height } = self.size;
+        // Direction (1, 0), strength 0.
+        let samples = Array3::from_shape_fn((height, width, 3), |(_, _, c)| [255, 128, 0][c]);
+        self.maps.push(MapFile {
+            stem: "anisotropy".into(),
+            origin: Origin::Generated("isotropic at level 0".into()),
+            raster: Raster::new(Samples::U8(samples)),
+            bits: 8,
+            roles,
+            signed: false,
+        });
+        distinct_stems(&mut self.maps);
+    }
+}
+
+struct Builder {
+    material: Material,
+    /// The path that each map was read from.
+    paths: Vec<PathBuf>,
+}
+
+impl Builder {
+    fn note(&mut self, note: impl Into<String>) {
+        self.material.notes.push(note.into());
+    }
+
+    /// Reads each distinct file once, side by side.
+    fn read_all<'a>(&mut self, paths: impl Iterator<Item = &'a Path>) -> Result<()> {
+        use rayon::prelude::*;
+        let mut distinct: Vec<&Path> = Vec::new();
+        paths.for_each(|path| {
+            if !distinct.contains(&path) {
+                distinct.push(path);
+            }
+        });
+        let decoded: Vec<_> = distinct.par_iter().map(|path| codec::read(path)).collect();
+        for (path, decoded) in distinct.into_iter().zip(decoded) {
+            self.push_file(path, decoded?);
+        }
+        Ok(())
+    }
+
+    fn push_file(&mut self, path: &Path, decoded: codec::Decoded) {
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        decoded.notes.iter().for_each(|note| self.note(format!("{name}: {note}")));
+        let raster = decoded.raster;
+        self.material.maps.push(MapFile {
+            stem: path.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
+            bits: raster.bits(),
+            roles: vec![Role::Other(0); raster.channels.len()],
+            signed: false,
+            origin: Origin::File {
+                path: path.to_owned(),
+                sha256: decoded.sha256,
+                size: raster.size(),
+                format: decoded.format,
+            },
+            raster,
+        });
+        self.paths.push(path.to_owned());
+    }
+
+    fn map_of(&self, path: &Path) -> usize {
+        self.paths.iter().position(|p| p == path).expect("read before")
+    }
+
+    fn assign(&mut self, map: usize, channel: usize, role: Role) -> Result<()> {
+        let slot = &mut self.material.maps[map].roles[channel];
+        if !matches!(slot, Role::Other(_)) {
+            let found = format!("channel {channel} used twice, as {slot:?} and as {role:?}");
+            return Err(Error::invalid(&self.paths[map], found, "one use of each channel"));
+        }
+        *slot = role;
+        Ok(())
+    }
+
+    fn add_normal(&mut self, path: &Path, z: NormalZ) -> Result<()> {
+        let map = self.map_of(path);
+        let raster = &self.material.maps[map].raster;
+        let count = raster.channels.len();
+        if count < 2 {
+            return Err(Error::invalid(
+                path,
+                "a gray picture as normal map",
+                "two (XY) or three (XYZ) channels; a height map is given with --height",
+            ));
+        }
+        let stored = match z {
+            NormalZ::Auto => count >= 3,
+            NormalZ::Stored if count < 3 => {
+                return Err(Error::invalid(path, "two channels", "three channels for --normal-z stored"));
+            }
+            NormalZ::Stored => true,
+            NormalZ::Rebuild => false,
+        };
+        let signed = is_signed(raster, if stored { 3 } else { 2 });
+        let floats = raster.bits() == 32;
+        self.material.maps[map].signed = signed;
+        if floats {
+            let range = if signed { "-1..1" } else { "0..1" };
+            self.note(format!("float normals read as {range}, by the values found"));
+        }
+        let channels = [Some(0), Some(1), stored.then_some(2)];
+        for (channel, role) in channels.into_iter().zip([Role::NormalX, Role::NormalY, Role::NormalZ]) {
+            if let Some(channel) = channel {
+                self.assign(map, channel, role)?;
+            } else if count >= 3 {
+                // Present but not trusted: written again from the rebuilt z.
+                self.assign(map, 2, Role::NormalZ)?;
+            }
+        }
+        let y = self.material.normal_y;
+        self.note(format!("normal map read as {}; --normal-y changes it", y.describe()));
+        self.material.normal = Some(NormalSource { map, channels });
+        Ok(())
+    }
+
+    fn add_height(&mut self, path: &Path, inputs: &Inputs) -> Result<()> {
+        let decoded = codec::read(path)?;
+        let scale = inputs.height_scale.unwrap_or(DEFAULT_HEIGHT_SCALE);
+        let raster = height::normals(&decoded.raster, 0, scale, inputs.wrap);
+        let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        self.note(format!(
+            "normals derived from {name} with a height range of {scale} texture widths (--height-scale)"
+        ));
+        let map = self.material.maps.len();
+        self.push_file(path, decoded);
+        let file = &mut self.material.maps[map];
+        file.stem += "_normal";
+        (file.raster, file.bits) = (raster, 16);
+        file.roles = vec![Role::NormalX, Role::NormalY, Role::NormalZ];
+        self.material.normal_y = NormalY::OpenGl;
+        self.material.normal = Some(NormalSource { map, channels: [Some(0), Some(1), Some(2)] });
+        Ok(())
+    }
+
+    fn add_width(&mut self, input: &ChannelRef, role: Role) -> Result<()> {
+        let map = self.map_of(&input.path);
+        let names = &self.material.maps[map].raster.channels;
+        let count = names.len();
+        let channel = input.channel.unwrap_or(if count >= 3 { 1 } else { 0 });
+        if channel >= count {
+            let found = format!("{count} channels ({})", names.join(" "));
+            return Err(Error::invalid(&input.path, found, format!("a channel number {channel} for the roughness")));
+        }
+        if input.channel.is_none() && count >= 3 && !is_gray(&self.material.maps[map].raster) {
+            let word = if role == Role::Roughness { "roughness" } else { "smoothness" };
+            self.note(format!(
+                "{word} taken from the green channel, as in glTF and ORM files; FILE:r|g|b|a names another"
+            ));
+        } else if input.channel.is_none() && count >= 3 {
+            // Gray stored as colour: all three channels are the roughness, and come back as such.
+            for other in [0, 2] {
+                self.assign(map, other, role)?;
+            }
+        }
+        self.assign(map, channel, role)?;
+        self.material.width = Some((map, channel));
+        Ok(())
+    }
+
+    fn add_anisotropy(&mut self, path: &Path) -> Result<()> {
+        let map = self.map_of(path);
+        let names = &self.material.maps[map].raster.channels;
+        if names.len() < 3 {
+            let found = format!("{} channels", names.len());
+            return Err(Error::invalid(path, found, "three: direction in red and green, strength in blue (glTF)"));
+        }
+        for (channel, role) in [Role::AnisotropyX, Role::AnisotropyY, Role::AnisotropyStrength].into_iter().enumerate()
+        {
+            self.assign(map, channel, role)?;
+        }
+        self.material.anisotropy = Some((map, [0, 1, 2]));
+        Ok(())
+    }
+
+    /// Brings all maps to the largest size, numbers the plain channels, and adds the maps that are missing.
+    fn finish(mut self) -> Result<Material> {
+        let sizes: Vec<_> = self.material.maps.iter().map(|map| map.raster.size()).collect();
+        let width = sizes.iter().map(|s| s.width).max().unwrap_or(1);
+        let height = sizes.iter().map(|s| s.height).max().unwrap_or(1);
+        let size = Size::new(width, height);
+        self.material.size = size;
+        for (i, from) in sizes.into_iter().enumerate() {
+            if from != size {
+                let map = &mut self.material.maps[i];
+                map.raster = resample::enlarge(&map.raster, size, self.material.wrap);
+                let note = format!("{} enlarged from {from} to {size} (bilinear)", map.stem);
+                self.note(note);
+            }
+        }
+        if self.material.width.is_none() {
+            self.add_constant_roughness();
+        }
+        let material = &mut self.material;
+        for (m, map) in material.maps.iter_mut().enumerate() {
+            for (c, role) in map.roles.iter_mut().enumerate() {
+                if matches!(role, Role::Other(_)) {
+                    *role = Role::Other(material.others.len());
+                    material.others.push((m, c));
+                }
+            }
+        }
+        distinct_stems(&mut material.maps);
+        self.check()
+    }
+
+    /// The folded roughness needs a map to live in.
+    fn add_constant_roughness(&mut self) {
+        let Size { width, height } = self.material.size;
+        let r = self.material.constant.0;
+        let wide = self.material.maps.iter().any(|map| map.bits == 16);
+        let dim = (height, width, 1);
+        let samples = if wide {
+            Samples::U16(Array3::from_elem(dim, (r * 65535.0).round() as u16))
+        } else {
+            Samples::U8(Array3::from_elem(dim, (r * 255.0).round() as u8))
+        };
+        let raster = Raster::new(samples);
+        self.material.maps.push(MapFile {
+            stem: "roughness".into(),
+            origin: Origin::Generated(format!("constant perceptual roughness {r}")),
+            bits: raster.bits(),
+            raster,
+            roles: vec![Role::Roughness],
+            signed: false,
+        });
+    }
+
+    /// Counts what is wrong and says it.
+    fn check(mut self) -> Result<Material> {
+        let found = self.material.inspect();
+        let share =
+            |n: usize| format!("{n} of {} texels ({:.3} %)", found.texels, 100.0 * n as f64 / found.texels as f64);
+        let material = &mut self.material;
+        if let Some(source) = &material.normal {
+            let subject = &self.paths.get(source.map).cloned().unwrap_or_default();
+            if found.unusable() == found.texels {
+                let what = if found.behind == 0 { "no normal with a direction" } else { "no normal that points up" };
+                return Err(Error::invalid(subject, what, "a tangent-space normal map"));
+            }
+            let stem = material.maps[source.map].stem.clone();
+            for (count, what) in [
+                (found.behind, "normals do not point out of the surface (z <= 0)"),
+                (found.directionless, "normals have no direction (zero, nearly zero or not a number)"),
+            ] {
+                if count > 0 {
+                    material.warnings.push(format!("{stem}: {} {what}; the fold ignores them", share(count)));
+                }
+            }
+            if found.looks_srgb() {
+                material.warnings.push(format!(
+                    "{stem}: looks sRGB-encoded (mean x {:+.2}, y {:+.2}, length {:.2}): flat is stored near 188,188,255 \
+                     where it should be 128,128,255. Export it again as linear (non-colour) data",
+                    found.mean_xy[0], found.mean_xy[1], found.mean_length
+                ));
+            }
+        }
+        for (count, what) in [
+            (found.roughness_not_finite, "roughness values are not a number; taken as 1"),
+            (found.roughness_outside, "roughness values lie outside 0..1; clamped"),
+        ] {
+            if count > 0 {
+                material.warnings.push(format!("{} {what}", share(count)));
+            }
+        }
+        Ok(self.material)
+    }
+}
+
+/// Whether float normals are stored as -1..1: some x or y is clearly negative.
+fn is_signed(raster: &Raster, channels: usize) -> bool {
+    match &raster.samples {
+        Samples::F32(samples) => {
+            samples.outer_iter().any(|row| row.outer_iter().any(|t| t.iter().take(channels).any(|v| *v < -0.01)))
+        }
+        _ => false,
+    }
+}
+
+/// Whether the first three channels are equal everywhere, within a JPEG's chroma error of two steps.
+fn is_gray(raster: &Raster) -> bool {
+    let Size { width, height } = raster.size();
+    let mut rows = [vec![0.0; width], vec![0.0; width], vec![0.0; width]];
+    (0..height).all(|y| {
+        rows.iter_mut().enumerate().for_each(|(c, row)| raster.read(c, y, 0, row));
+        (0..width).all(|x| (rows[0][x] - rows[1][x]).abs() < 0.01 && (rows[2][x] - rows[1][x]).abs() < 0.01)
+    })
+}
+
+/// Two files of the same name from different folders must not write over each other.
+fn distinct_stems(maps: &mut [MapFile]) {
+    for i in 1..maps.len() {
+        let mut stem = maps[i].stem.clone();
+        let mut n = 2;
+        while maps[..i].iter().any(|other| other.stem == stem) {
+            stem = format!("{}_{n}", maps[i].stem);
+            n += 1;
+        }
+        maps[i].stem = stem;
+    }
+}

@@ -1,0 +1,205 @@
+//! A folded level back into the channels it came from.
+
+use std::borrow::Cow;
+
+use ndarray::Array3;
+
+use super::{MapFile, Material, Role};
+use crate::image::{Raster, Samples, Size};
+use crate::ndf::{Axes, Form, Lobes, RoughnessTensor};
+use crate::roughness::Alpha;
+
+/// How channels are written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Encoding {
+    /// 0..1, as integer files hold: normals and directions as `0.5 + 0.5 v`.
+    Unsigned,
+    /// As float files hold: normals as -1..1, everything else as 0..1.
+    Signed,
+}
+
+/// One folded level of a material, to be packed: level 0 has no lobes, since it is the input's own pixels.
+#[derive(Clone, Copy)]
+pub struct LevelView<'a> {
+    /// The material.
+    pub material: &'a Material,
+    /// Lobes and plainly averaged channels (axes channel, row, column), for levels from 1 on.
+    pub folded: Option<(&'a Lobes, &'a Array3<f32>)>,
+}
+
+impl LevelView<'_> {
+    /// Width and height.
+    pub fn size(&self) -> Size {
+        self.folded.map_or(self.material.size, |(lobes, _)| lobes.size())
+    }
+
+    /// Part of row `y` of a channel of a map, from column `x` on.
+    pub fn row(&self, map: usize, channel: usize, encoding: Encoding, y: usize, x: usize, out: &mut [f32]) {
+        let file = &self.material.maps[map];
+        let role = file.roles[channel];
+        match self.folded {
+            None => {
+                file.raster.read(channel, y, x, out);
+                own_pixels(file, role, encoding, out);
+            }
+            Some((lobes, others)) => {
+                let n = out.len();
+                let part = |plane: usize| &lobes.row(plane, y)[x..x + n];
+                match role {
+                    Role::NormalX | Role::NormalY | Role::NormalZ => {
+                        self.normal(role, encoding, [part(0), part(1), part(2)], out);
+                    }
+                    Role::Other(index) => {
+                        let row = others.index_axis(ndarray::Axis(0), index);
+                        let row = row.index_axis_move(ndarray::Axis(0), y);
+                        out.iter_mut().zip(row.iter().skip(x)).for_each(|(out, v)| *out = *v);
+                    }
+                    Role::Roughness | Role::Smoothness if lobes.form() == Form::Isotropic => {
+                        for (out, a2) in out.iter_mut().zip(part(3)) {
+                            let r = a2.sqrt().sqrt();
+                            *out = if role == Role::Smoothness { 1.0 - r } else { r };
+                        }
+                    }
+                    role => {
+                        let planes = if lobes.form() == Form::Isotropic { [3, 3, 3] } else { [3, 4, 5] };
+                        let [xx, xy, yy] = planes.map(part);
+                        for (i, out) in out.iter_mut().enumerate() {
+                            let xy = if lobes.form() == Form::Isotropic { 0.0 } else { xy[i] };
+                            let axes = RoughnessTensor { xx: xx[i], xy, yy: yy[i] }.axes();
+                            *out = anisotropic(role, axes, encoding);
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    /// Back through the renderer's own normal scale, then to the file's convention.
+    fn normal(&self, role: Role, encoding: Encoding, [nx, ny, nz]: [&[f32]; 3], out: &mut [f32]) {
+        let (k, sign) = (1.0 / self.material.normal_scale, self.material.normal_y.sign());
+        for (i, out) in out.iter_mut().enumerate() {
+            let (x, y, z) = (k * nx[i], k * ny[i] * sign, nz[i]);
+            let v = match role {
+                Role::NormalX => x,
+                Role::NormalY => y,
+                _ => z,
+            };
+            let v = if k == 1.0 { v } else { v / (x * x + y * y + z * z).sqrt() };
+            *out = if encoding == Encoding::Signed { v } else { 0.5 + 0.5 * v };
+        }
+    }
+
+    /// The whole level of a map as an integer raster: 16 bit for float maps, else the map's own depth. Level 0 is the
+    /// map's own raster where the depth allows.
+    pub fn raster(&self, map: usize) -> Cow<'_, Raster> {
+        let file = &self.material.maps[map];
+        let bits = file.bits.min(16);
+        if self.folded.is_none() && file.raster.bits() == bits {
+            return Cow::Borrowed(&file.raster);
+        }
+        let Size { width, height } = self.size();
+        let dim = (height, width, file.roles.len());
+        let samples = if bits == 8 {
+            let mut samples = Vec::with_capacity(dim.0 * dim.1 * dim.2);
+            self.quantised(map, 255, |v| samples.push(v as u8));
+            Samples::U8(Array3::from_shape_vec(dim, samples).expect("every sample"))
+        } else {
+            let mut samples = Vec::with_capacity(dim.0 * dim.1 * dim.2);
+            self.quantised(map, 65535, |v| samples.push(v as u16));
+            Samples::U16(Array3::from_shape_vec(dim, samples).expect("every sample"))
+        };
+        Cow::Owned(Raster { samples, channels: file.raster.channels.clone() })
+    }
+
+    /// All samples of a level of a map, texel by texel, rounded to 0..max.
+    fn quantised(&self, map: usize, max: i32, mut push: impl FnMut(i32)) {
+        let file = &self.material.maps[map];
+        let Size { width, height } = self.size();
+        let mut rows = vec![vec![0.0; width]; file.roles.len()];
+        // Level 0 is the input's own pixels, however long its normals are.
+        let xy = self.folded.and_then(|_| file.channel(Role::NormalX).zip(file.channel(Role::NormalY)));
+        let mut texel = vec![0; rows.len()];
+        for y in 0..height {
+            rows.iter_mut().enumerate().for_each(|(c, row)| self.row(map, c, Encoding::Unsigned, y, 0, row));
+            for x in 0..width {
+                for (sample, row) in texel.iter_mut().zip(&rows) {
+                    *sample = (row[x].clamp(0.0, 1.0) * max as f32 + 0.5) as i32;
+                }
+                if let Some((cx, cy)) = xy {
+                    (texel[cx], texel[cy]) = inside_unit_disk(texel[cx], texel[cy], max);
+                }
+                texel.iter().for_each(|sample| push(*sample));
+            }
+        }
+    }
+}
+
+/// The nearest stored pair towards the centre whose decoded x^2 + y^2 is at most 1: renderers that rebuild z take the
+/// root of what is left.
+fn inside_unit_disk(mut x: i32, mut y: i32, max: i32) -> (i32, i32) {
+    let side = |v: i32| i64::from(2 * v - max);
+    while side(x) * side(x) + side(y) * side(y) > i64::from(max) * i64::from(max) {
+        let longest = if side(x).abs() >= side(y).abs() { &mut x } else { &mut y };
+        *longest -= side(*longest).signum() as i32;
+    }
+    (x, y)
+}
+
+/// Level 0 in another encoding, and without what is not a number.
+fn own_pixels(file: &MapFile, role: Role, encoding: Encoding, out: &mut [f32]) {
+    let normal = matches!(role, Role::NormalX | Role::NormalY | Role::NormalZ);
+    for v in out {
+        if normal {
+            let signed = if file.signed { *v } else { 2.0 * *v - 1.0 };
+            let flat = if role == Role::NormalZ { 1.0 } else { 0.0 };
+            let signed = if signed.is_finite() { signed } else { flat };
+            *v = if encoding == Encoding::Signed { signed } else { 0.5 + 0.5 * signed };
+        } else if !v.is_finite() {
+            *v = if role == Role::Roughness { 1.0 } else { 0.0 };
+        }
+    }
+}
+
+/// What a channel holds for a lobe of two widths: the smaller width as roughness, and glTF's strength and direction.
+/// From `alpha_t = mix(alpha, 1, strength^2)`: `strength = sqrt((alpha_t - alpha) / (1 - alpha))`.
+fn anisotropic(role: Role, axes: Axes, encoding: Encoding) -> f32 {
+    let Axes { alpha_x: Alpha(along), alpha_y: Alpha(across), angle } = axes;
+    let (sin, cos) = angle.sin_cos();
+    let direction = |v: f32| if encoding == Encoding::Signed { v } else { 0.5 + 0.5 * v };
+    match role {
+        Role::Roughness => across.sqrt(),
+        Role::Smoothness => 1.0 - across.sqrt(),
+        Role::AnisotropyX => direction(cos),
+        Role::AnisotropyY => direction(sin),
+        _ if across < 1.0 => ((along - across) / (1.0 - across)).clamp(0.0, 1.0).sqrt(),
+        _ => 0.0,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn rounded_normals_never_leave_the_unit_disk(angle in 0.0f32..6.3, radius in 0.0f32..1.0, wide in any::<bool>()) {
+            let max = if wide { 65535 } else { 255 };
+            let round = |v: f32| ((0.5 + 0.5 * v) * max as f32 + 0.5) as i32;
+            let (x, y) = (round(radius * angle.cos()), round(radius * angle.sin()));
+            let (nx, ny) = inside_unit_disk(x, y, max);
+            let decode = |v: i32| 2.0 * f64::from(v) / f64::from(max) - 1.0;
+            prop_assert!(decode(nx).powi(2) + decode(ny).powi(2) <= 1.0);
+            prop_assert!((nx - x).abs() <= 1 && (ny - y).abs() <= 1);
+        }
+
+        #[test]
+        fn gltf_strength_gives_the_larger_width_back(a in 0.01f32..0.99, ratio in 0.0f32..1.0) {
+            let axes = Axes { alpha_x: Alpha(a), alpha_y: Alpha(a * ratio), angle: 0.3 };
+            let strength = anisotropic(Role::AnisotropyStrength, axes, Encoding::Signed);
+            let alpha = anisotropic(Role::Roughness, axes, Encoding::Signed).powi(2);
+            let along = alpha + (1.0 - alpha) * strength * strength;
+            prop_assert!((along - a).abs() < 1e-5 && (alpha - a * ratio).abs() < 1e-6);
+        }
+    }
+}

@@ -1,0 +1,142 @@
+//! Mip-mapped OpenEXR: maps, lobes, moments.
+
+use std::io::{Seek, Write};
+
+use crate::codec::{Channel, Depth, write_exr};
+use crate::fold::Chain;
+use crate::material::{Encoding, LevelView, Material, Role, Texels};
+use crate::ndf::{Axes, Form, RoughnessTensor};
+
+/// Level `k` of a material, to be packed.
+pub fn view<'a>(material: &'a Material, chain: &'a Chain, k: usize) -> LevelView<'a> {
+    let folded = k.checked_sub(1).map(|i| (&chain.levels[i].lobes, &chain.levels[i].extras));
+    LevelView { material, folded }
+}
+
+/// All levels of a map, in its own channels; normals signed.
+pub fn write_map(
+    out: impl Write + Seek,
+    material: &Material,
+    chain: &Chain,
+    map: usize,
+    depth: Depth,
+) -> std::io::Result<()> {
+    let channels: Vec<_> =
+        material.maps[map].raster.channels.iter().map(|name| Channel { name: name.clone(), depth }).collect();
+    write_exr(out, &channels, material.size, &|level, channel, y, x, row| {
+        view(material, chain, level).row(map, channel, Encoding::Signed, y, x, row);
+    })
+}
+
+/// The channels of a lobes file: unit normal (OpenGL, +Y up), widths, and the angle in radians from the lobe's
+/// tangent (the +u axis made orthogonal to the normal) to the axis of the larger width.
+pub const LOBE_CHANNELS: [&str; 6] = ["n.x", "n.y", "n.z", "alpha.x", "alpha.y", "angle"];
+
+/// The lobes of all levels in full, 32 bit.
+pub fn write_lobes(out: impl Write + Seek, material: &Material, chain: &Chain) -> std::io::Result<()> {
+    let channels = LOBE_CHANNELS.map(|name| Channel { name: name.into(), depth: Depth::Float });
+    write_exr(out, &channels, material.size, &|level, channel, y, x, row| match level.checked_sub(1) {
+        None => base_lobe_row(material, channel, y, x, row),
+        Some(i) => {
+            let lobes = &chain.levels[i].lobes;
+            let part = |plane: usize| &lobes.row(plane, y)[x..x + row.len()];
+            if channel < 3 {
+                row.copy_from_slice(part(channel));
+            } else if lobes.form() == Form::Isotropic {
+                let a2 = part(3);
+                row.iter_mut().zip(a2).for_each(|(out, a2)| *out = if channel == 5 { 0.0 } else { a2.sqrt() });
+            } else {
+                let [xx, xy, yy] = [3, 4, 5].map(part);
+                for (i, out) in row.iter_mut().enumerate() {
+                    *out = read_out(RoughnessTensor { xx: xx[i], xy: xy[i], yy: yy[i] }, channel);
+                }
+            }
+        }
+    })
+}
+
+fn read_out(tensor: RoughnessTensor, channel: usize) -> f32 {
+    let Axes { alpha_x, alpha_y, angle } = tensor.axes();
+    match channel {
+        3 => alpha_x.0,
+        4 => alpha_y.0,
+        _ => angle,
+    }
+}
+
+/// Part of a row of a lobe channel of level 0.
+fn base_lobe_row(material: &Material, channel: usize, y: usize, x: usize, row: &mut [f32]) {
+    let n = row.len();
+    if channel < 3 {
+        let [mut a, mut b, mut coverage] = [vec![0.0; n], vec![0.0; n], vec![0.0; n]];
+        let mut rows = [&mut *row, &mut a, &mut b];
+        // The wanted component lands in `row`.
+        rows.rotate_right(channel);
+        material.normals(y, x, rows, &mut coverage);
+        return;
+    }
+    material.perceptual(y, x, row);
+    if material.is_anisotropic() {
+        let perceptual = row.to_vec();
+        let [mut xx, mut xy, mut yy] = [vec![0.0; n], vec![0.0; n], vec![0.0; n]];
+        material.tensors(y, x, &perceptual, [&mut xx, &mut xy, &mut yy]);
+        for (i, out) in row.iter_mut().enumerate() {
+            *out = read_out(RoughnessTensor { xx: xx[i], xy: xy[i], yy: yy[i] }, channel);
+        }
+    } else {
+        row.iter_mut().for_each(|r| *r = if channel == 5 { 0.0 } else { *r * *r });
+    }
+}
+
+/// The channels that `maketx --bumpslopes` writes, so that shaders made for it read ours: height (-1: none), mean
+/// slopes, and raw second moments.
+pub const MOMENT_CHANNELS: [&str; 6] = ["b0_h", "b1_dhds", "b2_dhdt", "b3_dhds2", "b4_dhdt2", "b5_dh2dsdt"];
+
+/// Raw LEAN moments of all levels, 32 bit: half floats lose alpha 0.05 (their rounding is 2e-4 in the variance).
+///
+/// As `maketx` does, slopes are `-n.xy / n.z` of the normal **as stored**: for a DirectX map dh/dt runs down the rows,
+/// for an OpenGL map up.
+pub fn write_moments(out: impl Write + Seek, material: &Material, chain: &Chain) -> std::io::Result<()> {
+    let channels = MOMENT_CHANNELS.map(|name| Channel { name: name.into(), depth: Depth::Float });
+    let sign = material.normal_y.sign();
+    write_exr(out, &channels, material.size, &|level, channel, y, x, row| {
+        let n = row.len();
+        if channel == 0 {
+            row.fill(-1.0);
+            return;
+        }
+        // Both the mean slope along v and the mixed moment change sign with v.
+        let sign = if channel == 2 || channel == 5 { sign } else { 1.0 };
+        match level.checked_sub(1) {
+            Some(i) => {
+                let moments = chain.levels[i].slope_moments.as_ref().expect("folded with slope moments");
+                let moments = moments.index_axis(ndarray::Axis(0), channel - 1);
+                let values = moments.index_axis_move(ndarray::Axis(0), y);
+                row.iter_mut().zip(values.iter().skip(x)).for_each(|(out, v)| *out = sign * v);
+            }
+            None => {
+                let [mut nx, mut ny, mut nz, mut coverage] = [vec![0.0; n], vec![0.0; n], vec![0.0; n], vec![0.0; n]];
+                material.normals(y, x, [&mut nx, &mut ny, &mut nz], &mut coverage);
+                for (i, out) in row.iter_mut().enumerate() {
+                    let s = crate::moments::slope(glam::Vec3::new(nx[i], ny[i], nz[i]));
+                    *out = sign * [s.x, s.y, s.x * s.x, s.y * s.y, s.x * s.y][channel - 1];
+                }
+            }
+        }
+    })
+}
+
+/// What the channels of a map mean, for the manifest.
+pub fn role_name(role: Role) -> &'static str {
+    match role {
+        Role::NormalX => "normal.x",
+        Role::NormalY => "normal.y",
+        Role::NormalZ => "normal.z",
+        Role::Roughness => "perceptual-roughness",
+        Role::Smoothness => "smoothness",
+        Role::AnisotropyX => "anisotropy.direction.x",
+        Role::AnisotropyY => "anisotropy.direction.y",
+        Role::AnisotropyStrength => "anisotropy.strength",
+        Role::Other(_) => "other",
+    }
+}

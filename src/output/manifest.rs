@@ -1,0 +1,194 @@
+//! What was built, for other programs and for `compare`.
+
+use std::path::PathBuf;
+
+use serde::Serialize;
+
+use super::exr::{LOBE_CHANNELS, MOMENT_CHANNELS, role_name};
+use super::plan::{Content, Format, Output, Plan, Request};
+use crate::codec::Depth;
+use crate::fold::{Chain, Options};
+use crate::image::{Size, Wrap};
+use crate::material::{Material, NormalY, Origin, Role};
+use crate::ndf::Form;
+
+/// Version of the manifest's form; fields are added, never renamed.
+pub const SCHEMA: u32 = 1;
+
+/// `manifest.json`: no times and no machine facts, so that the same build gives the same bytes.
+#[derive(Debug, Serialize)]
+pub struct Manifest {
+    schema: u32,
+    generator: &'static str,
+    version: &'static str,
+    material: String,
+    size: Size,
+    fold: &'static str,
+    cite: &'static str,
+    lobes: Form,
+    strength: f32,
+    min_alpha: f32,
+    max_alpha: f32,
+    normal_y: NormalY,
+    normal_scale: f32,
+    wrap: Wrap,
+    constant_roughness: Option<f32>,
+    level_0: &'static str,
+    inputs: Vec<Input>,
+    maps: Vec<OutputMap>,
+    notes: Vec<String>,
+    warnings: Vec<String>,
+}
+
+/// An input file.
+#[derive(Debug, Serialize)]
+pub struct Input {
+    path: PathBuf,
+    sha256: String,
+    format: &'static str,
+    size: Size,
+    channels: Vec<ChannelRole>,
+}
+
+#[derive(Debug, Serialize)]
+struct ChannelRole {
+    name: String,
+    role: &'static str,
+}
+
+/// An output map: one file a level, or one file.
+#[derive(Debug, Serialize)]
+pub struct OutputMap {
+    role: &'static str,
+    container: Format,
+    /// One a level, finest first; or a single mip-mapped file.
+    files: Vec<String>,
+    /// Bits and kind of a sample.
+    encoding: &'static str,
+    channels: Vec<ChannelRole>,
+    levels: Vec<Size>,
+}
+
+impl Manifest {
+    /// Describes a build.
+    pub fn new(material: &Material, chain: &Chain, options: &Options, plan: &Plan, request: &Request) -> Self {
+        let constant = material
+            .maps
+            .iter()
+            .any(|m| matches!(&m.origin, Origin::Generated(_)) && m.channel(Role::Roughness).is_some());
+        Self {
+            schema: SCHEMA,
+            generator: "mipfold",
+            version: env!("CARGO_PKG_VERSION"),
+            material: material.name.clone(),
+            size: material.size,
+            fold: options.fold.name,
+            cite: options.fold.cite,
+            lobes: options.form,
+            strength: options.strength,
+            min_alpha: options.min_alpha.0,
+            max_alpha: options.max_alpha.0,
+            normal_y: material.normal_y,
+            normal_scale: material.normal_scale,
+            wrap: material.wrap,
+            constant_roughness: constant.then_some(material.constant.0),
+            level_0: "the input's own pixels",
+            inputs: inputs(material),
+            maps: maps(material, chain, plan, request),
+            notes: material.notes.clone(),
+            warnings: material.warnings.clone(),
+        }
+    }
+}
+
+fn channels(material: &Material, map: usize) -> Vec<ChannelRole> {
+    let file = &material.maps[map];
+    let named = file.raster.channels.iter().zip(&file.roles);
+    named.map(|(name, role)| ChannelRole { name: name.clone(), role: role_name(*role) }).collect()
+}
+
+fn inputs(material: &Material) -> Vec<Input> {
+    let files = material.maps.iter().enumerate();
+    files
+        .filter_map(|(i, map)| match &map.origin {
+            Origin::File { path, sha256, size, format } => Some(Input {
+                path: path.clone(),
+                sha256: sha256.clone(),
+                format,
+                size: *size,
+                channels: channels(material, i),
+            }),
+            Origin::Generated(_) => None,
+        })
+        .collect()
+}
+
+fn maps(material: &Material, chain: &Chain, plan: &Plan, request: &Request) -> Vec<OutputMap> {
+    let levels: Vec<Size> = (0..=chain.levels.len()).map(|k| chain.size.level(k)).collect();
+    let named = |names: &[&str]| names.iter().map(|n| ChannelRole { name: n.to_string(), role: "see name" }).collect();
+    let mut out: Vec<OutputMap> = Vec::new();
+    for (map, file) in material.maps.iter().enumerate() {
+        let names = |wanted: &dyn Fn(Content) -> bool| -> Vec<String> {
+            plan.outputs.iter().filter(|o| wanted(o.content)).map(|o: &Output| o.name.clone()).collect()
+        };
+        let role = map_role(&file.roles);
+        let pngs = names(&|c| matches!(c, Content::Level { map: m, .. } if m == map));
+        if !pngs.is_empty() {
+            let encoding = if file.bits == 8 { "unorm8" } else { "unorm16" };
+            let levels = levels.clone();
+            out.push(OutputMap {
+                role,
+                container: Format::Png,
+                files: pngs,
+                encoding,
+                channels: channels(material, map),
+                levels,
+            });
+        }
+        let exrs = names(&|c| c == Content::Levels { map });
+        if !exrs.is_empty() {
+            let encoding = if request.depth == Depth::Half { "float16" } else { "float32" };
+            let levels = levels.clone();
+            out.push(OutputMap {
+                role,
+                container: Format::Exr,
+                files: exrs,
+                encoding,
+                channels: channels(material, map),
+                levels,
+            });
+        }
+    }
+    for output in &plan.outputs {
+        let (role, names) = match output.content {
+            Content::Lobes => ("lobes", LOBE_CHANNELS),
+            Content::Moments => ("slope-moments", MOMENT_CHANNELS),
+            _ => continue,
+        };
+        out.push(OutputMap {
+            role,
+            container: Format::Exr,
+            files: vec![output.name.clone()],
+            encoding: "float32",
+            channels: named(&names),
+            levels: levels.clone(),
+        });
+    }
+    out
+}
+
+/// One word for a map: what it holds first.
+fn map_role(roles: &[Role]) -> &'static str {
+    let has = |role| roles.contains(&role);
+    if has(Role::NormalX) && (has(Role::Roughness) || has(Role::Smoothness)) {
+        "normal-roughness"
+    } else if has(Role::NormalX) {
+        "normal"
+    } else if has(Role::AnisotropyX) {
+        "anisotropy"
+    } else if has(Role::Smoothness) {
+        "smoothness"
+    } else {
+        "roughness"
+    }
+}

@@ -1,0 +1,140 @@
+//! What a build will write, decided before anything is decoded to the end or folded.
+
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+use super::MANIFEST;
+use crate::codec::Depth;
+use crate::error::{Error, Result};
+use crate::material::{Material, Origin};
+
+/// A container.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "lowercase")]
+pub enum Format {
+    /// One file a level, in the input's packing and depth.
+    Png,
+    /// One mip-mapped file a map, signed normals; and the lobes in full.
+    Exr,
+}
+
+/// What to write, and where.
+#[derive(Clone)]
+pub struct Request {
+    /// Folder of the material's files.
+    pub folder: PathBuf,
+    /// Containers.
+    pub formats: Vec<Format>,
+    /// Depth of the mip-mapped maps; lobes and moments are always 32 bit.
+    pub depth: Depth,
+    /// Whether to write the raw slope moments.
+    pub moments: bool,
+    /// Whether files that mipfold did not write may be replaced.
+    pub force: bool,
+}
+
+/// One file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Output {
+    /// Name inside the folder.
+    pub name: String,
+    /// What it holds.
+    pub content: Content,
+}
+
+/// What a file holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Content {
+    /// A level of a map.
+    Level {
+        /// Index of the map.
+        map: usize,
+        /// 0 is the input.
+        level: usize,
+    },
+    /// All levels of a map.
+    Levels {
+        /// Index of the map.
+        map: usize,
+    },
+    /// Normal, widths and angle of every texel.
+    Lobes,
+    /// LEAN moments in the order of OpenImageIO's bumpslopes.
+    Moments,
+}
+
+/// All files of a material, level 0 of the largest maps first.
+#[derive(Clone, Debug)]
+pub struct Plan {
+    /// The files, without the manifest.
+    pub outputs: Vec<Output>,
+}
+
+impl Plan {
+    /// Decides the files. `maps` has one entry a map that will be written.
+    pub fn new(material: &Material, request: &Request) -> Self {
+        let levels = material.size.level_count();
+        let mut outputs = Vec::new();
+        let mut push = |name: String, content| outputs.push(Output { name, content });
+        for level in 0..levels {
+            for (map, file) in material.maps.iter().enumerate() {
+                if request.formats.contains(&Format::Png) {
+                    push(png_name(&file.stem, level), Content::Level { map, level });
+                }
+            }
+        }
+        let prefix = safe_name(&material.name);
+        if request.formats.contains(&Format::Exr) {
+            for (map, file) in material.maps.iter().enumerate() {
+                push(format!("{}.exr", file.stem), Content::Levels { map });
+            }
+            push(format!("{prefix}_lobes.exr"), Content::Lobes);
+        }
+        if request.moments {
+            push(format!("{prefix}_moments.exr"), Content::Moments);
+        }
+        Self { outputs }
+    }
+
+    /// Refuses to write over an input, or over files that no earlier build wrote.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] that names the file.
+    pub fn check(&self, material: &Material, request: &Request) -> Result<()> {
+        let ours = request.force || request.folder.join(MANIFEST).exists();
+        for output in &self.outputs {
+            let path = request.folder.join(&output.name);
+            for map in &material.maps {
+                if let Origin::File { path: input, .. } = &map.origin
+                    && same_file(input, &path)
+                {
+                    return Err(Error::invalid(&path, "an output that is also an input", "another folder for -o"));
+                }
+            }
+            if !ours && path.exists() {
+                return Err(Error::invalid(
+                    &path,
+                    "a file that mipfold did not write",
+                    "a folder of its own, or --force to replace it",
+                ));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The name of a level of a map.
+pub fn png_name(stem: &str, level: usize) -> String {
+    format!("{stem}_mip{level}.png")
+}
+
+/// A name that every file system takes.
+pub fn safe_name(name: &str) -> String {
+    let safe: String = name.chars().map(|c| if c.is_alphanumeric() || "-_.".contains(c) { c } else { '_' }).collect();
+    if safe.trim_matches('.').is_empty() { "material".into() } else { safe }
+}
+
+fn same_file(a: &Path, b: &Path) -> bool {
+    matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b)
+}

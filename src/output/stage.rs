@@ -1,0 +1,120 @@
+//! Files that appear together or not at all.
+
+use std::fs;
+use std::io::{BufWriter, Write};
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+
+use tempfile::NamedTempFile;
+
+use crate::error::{Error, Result};
+
+/// Files written beside their place under a temporary name. [`Stage::commit`] renames all of them; dropping the stage
+/// before that removes them, and the folders that were made for them.
+pub struct Stage {
+    folder: PathBuf,
+    /// Folders that did not exist before, outermost first.
+    made: Vec<PathBuf>,
+    files: Mutex<Vec<(NamedTempFile, PathBuf)>>,
+}
+
+impl Stage {
+    /// A stage in `folder`, which is made if it is missing.
+    ///
+    /// # Errors
+    /// A folder that cannot be made or written.
+    pub fn new(folder: &Path) -> Result<Self> {
+        let missing = folder.ancestors().take_while(|p| !p.as_os_str().is_empty() && !p.exists());
+        let mut made: Vec<_> = missing.map(Path::to_owned).collect();
+        made.reverse();
+        fs::create_dir_all(folder).map_err(|e| Error::io(folder, e))?;
+        Ok(Self { folder: folder.to_owned(), made, files: Mutex::default() })
+    }
+
+    /// Writes a file through `fill`, under a temporary name. Safe to call from several threads.
+    ///
+    /// # Errors
+    /// Whatever the system refuses, named by the final path.
+    pub fn write(&self, name: &str, fill: impl FnOnce(&mut BufWriter<&fs::File>) -> std::io::Result<()>) -> Result<()> {
+        let path = self.folder.join(name);
+        let staged = || -> std::io::Result<NamedTempFile> {
+            let file = tempfile::Builder::new().prefix(".mipfold-").tempfile_in(&self.folder)?;
+            let mut out = BufWriter::with_capacity(1 << 18, file.as_file());
+            fill(&mut out)?;
+            out.flush()?;
+            drop(out);
+            readable_by_all(file.as_file())?;
+            Ok(file)
+        };
+        let file = staged().map_err(|e| Error::io(&path, e))?;
+        self.files.lock().expect("no writer panics").push((file, path));
+        Ok(())
+    }
+
+    /// Gives all files their names; the one called `last` comes last, so that it speaks for finished files only.
+    ///
+    /// # Errors
+    /// A name that cannot be given; files not yet named are removed.
+    pub fn commit(mut self, last: &str) -> Result<()> {
+        let mut files = std::mem::take(self.files.get_mut().expect("no writer panics"));
+        files.sort_by_key(|(_, path)| path.ends_with(last));
+        for (file, path) in files {
+            file.persist(&path).map_err(|e| Error::io(&path, e.error))?;
+        }
+        self.made.clear();
+        Ok(())
+    }
+}
+
+/// Temporary files are private; outputs are not.
+#[cfg(unix)]
+fn readable_by_all(file: &fs::File) -> std::io::Result<()> {
+    use std::os::unix::fs::PermissionsExt;
+    file.set_permissions(fs::Permissions::from_mode(0o644))
+}
+
+#[cfg(not(unix))]
+fn readable_by_all(_: &fs::File) -> std::io::Result<()> {
+    Ok(())
+}
+
+impl Drop for Stage {
+    fn drop(&mut self) {
+        self.files.get_mut().map(Vec::clear).ok();
+        // Only empty folders go; what others put there stays.
+        self.made.iter().rev().for_each(|folder| {
+            fs::remove_dir(folder).ok();
+        });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::io;
+
+    #[test]
+    fn a_full_disk_leaves_nothing_behind() {
+        let root = tempfile::tempdir().unwrap();
+        let folder = root.path().join("a/b");
+        let stage = Stage::new(&folder).unwrap();
+        stage.write("one.png", |out| out.write_all(b"whole")).unwrap();
+        let full = stage.write("two.png", |_| Err(io::Error::from(io::ErrorKind::StorageFull)));
+        let message = full.unwrap_err().to_string();
+        assert!(message.contains("two.png") && message.contains("no storage space"), "{message}");
+        drop(stage);
+        assert!(!root.path().join("a").exists());
+    }
+
+    #[test]
+    fn nothing_has_its_name_before_all_are_written() {
+        let root = tempfile::tempdir().unwrap();
+        fs::write(root.path().join("one.png"), b"old").unwrap();
+        let stage = Stage::new(root.path()).unwrap();
+        stage.write("one.png", |out| out.write_all(b"new")).unwrap();
+        assert_eq!(fs::read(root.path().join("one.png")).unwrap(), b"old");
+        stage.commit("manifest.json").unwrap();
+        assert_eq!(fs::read(root.path().join("one.png")).unwrap(), b"new");
+        assert_eq!(fs::read_dir(root.path()).unwrap().count(), 1);
+    }
+}

@@ -1,0 +1,44 @@
+//! Writing a plan.
+
+use std::io::Write;
+
+use rayon::prelude::*;
+
+use super::exr::{view, write_lobes, write_map, write_moments};
+use super::manifest::Manifest;
+use super::plan::{Content, Plan, Request};
+use super::{MANIFEST, Stage};
+use crate::codec::write_png;
+use crate::error::Result;
+use crate::fold::{Chain, Options};
+use crate::material::Material;
+
+/// Writes all files of a plan and the manifest, side by side. Either all appear or none; `done` is called after each.
+///
+/// # Errors
+/// Whatever the system refuses, and outputs that would replace an input or a stranger's file.
+pub fn write(
+    material: &Material,
+    chain: &Chain,
+    options: &Options,
+    plan: &Plan,
+    request: &Request,
+    done: &(dyn Fn() + Sync),
+) -> Result<()> {
+    plan.check(material, request)?;
+    let stage = Stage::new(&request.folder)?;
+    plan.outputs.par_iter().try_for_each(|output| {
+        stage.write(&output.name, |out| match output.content {
+            Content::Level { map, level } => write_png(out, &view(material, chain, level).raster(map)),
+            Content::Levels { map } => write_map(out, material, chain, map, request.depth),
+            Content::Lobes => write_lobes(out, material, chain),
+            Content::Moments => write_moments(out, material, chain),
+        })?;
+        done();
+        Ok(())
+    })?;
+    let manifest = Manifest::new(material, chain, options, plan, request);
+    let text = serde_json::to_string_pretty(&manifest).expect("plain data");
+    stage.write(MANIFEST, |out| out.write_all(text.as_bytes()).and_then(|()| out.write_all(b"\n")))?;
+    stage.commit(MANIFEST)
+}
