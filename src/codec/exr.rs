@@ -6,10 +6,10 @@ use std::collections::HashSet;
 use std::io::{self, BufWriter, Cursor, Seek, Write};
 use std::path::Path;
 
-use ::exr::block::chunk::Chunk;
+use ::exr::block::chunk::{Chunk, CompressedBlock, CompressedTileBlock, TileCoordinates};
 use ::exr::block::reader::{ChunksReader, Reader};
 use ::exr::block::writer::ChunksWriter;
-use ::exr::block::{BlockIndex, UncompressedBlock, enumerate_ordered_header_block_indices};
+use ::exr::block::{BlockIndex, UncompressedBlock};
 use ::exr::compression::Compression;
 use ::exr::math::{RoundingMode, Vec2};
 use ::exr::meta::attribute::{ChannelDescription, LevelMode, LineOrder, SampleType, Text, TileDescription};
@@ -17,6 +17,7 @@ use ::exr::meta::header::{Header, LayerAttributes};
 use ::exr::meta::{BlockDescription, MetaData, mip_map_levels};
 use half::f16;
 use half::slice::HalfFloatSliceExt;
+use miniz_oxide::deflate::compress_to_vec_zlib;
 use ndarray::Array3;
 use rayon::prelude::*;
 
@@ -27,8 +28,11 @@ use crate::image::{Raster, Samples, Size};
 /// Sides of a tile, in texels.
 const TILE: usize = 64;
 
-/// Half the time and four fifths the size of PIZ on lobes in tiles this small, whose every tile would carry a code book.
+/// Half the time of PIZ or less, and smaller, for lobes in tiles this small: each PIZ tile carries a code book.
 const COMPRESSION: Compression = Compression::ZIP16;
+
+/// The fastest.
+const DEFLATE_LEVEL: u8 = 1;
 
 /// Tiles in flight for each thread: enough that threads seldom wait for each other.
 const TILES_PER_THREAD: usize = 16;
@@ -93,40 +97,52 @@ fn write_tiles(out: &mut dyn Sink, channels: &[Channel], size: Size, fill: Fill)
     // A file of one part needs no name.
     header.own_attributes.layer_name = None;
 
-    let make = |index: BlockIndex| {
-        let Vec2(width, height) = index.pixel_size;
-        let Vec2(x, top) = index.pixel_position;
+    let tile = |location: TileCoordinates| {
+        let Vec2(x, top) = location.tile_index * Vec2(TILE, TILE);
+        let level = size.level(location.level_index.x());
+        let (width, height) = (TILE.min(level.width - x), TILE.min(level.height - top));
         let mut data = Vec::with_capacity(width * height * 4 * channels.len());
         let mut row = vec![0.0; width];
         let mut halves = vec![f16::ZERO; width];
         for y in top..top + height {
             for &channel in &order {
-                fill(index.level.x(), channel, y, x, &mut row);
+                fill(location.level_index.x(), channel, y, x, &mut row);
                 match channels[channel].depth {
-                    Depth::Float => data.extend(row.iter().flat_map(|value| value.to_ne_bytes())),
+                    Depth::Float => data.extend(row.iter().flat_map(|value| value.to_le_bytes())),
                     Depth::Half => {
                         halves.convert_from_f32_slice(&row);
-                        data.extend(halves.iter().flat_map(|value| value.to_ne_bytes()));
+                        data.extend(halves.iter().flat_map(|value| value.to_le_bytes()));
                     }
                 }
             }
         }
-        UncompressedBlock { index, data }
+        let block = CompressedTileBlock { coordinates: location, compressed_pixels_le: zip(data) };
+        Chunk { layer_index: 0, compressed_block: CompressedBlock::Tile(block) }
     };
 
-    ::exr::block::write(out, vec![header].into(), true, |meta, writer| {
-        let blocks: Vec<_> = enumerate_ordered_header_block_indices(&meta.headers).collect();
-        for batch in blocks.chunks(TILES_PER_THREAD * rayon::current_num_threads()) {
-            let chunks = batch
-                .par_iter()
-                .map(|&(number, index)| Ok((number, make(index).compress_to_chunk(&meta.headers)?)))
-                .collect::<::exr::error::Result<Vec<(usize, Chunk)>>>()?;
-            for (number, chunk) in chunks {
+    // (The sizes that come with the tiles' places are wrong at the border.)
+    let tiles: Vec<TileCoordinates> = header.blocks_increasing_y_order().map(|tile| tile.location).collect();
+    ::exr::block::write(out, vec![header].into(), true, |_, writer| {
+        let batch = TILES_PER_THREAD * rayon::current_num_threads();
+        for (batch, tiles) in (0..).step_by(batch).zip(tiles.chunks(batch)) {
+            let chunks: Vec<Chunk> = tiles.par_iter().map(|&location| tile(location)).collect();
+            for (number, chunk) in (batch..).zip(chunks) {
                 writer.write_chunk(number, chunk)?;
             }
         }
         Ok(())
     })
+}
+
+/// EXR's ZIP compression: low bytes before high bytes, differences of neighbours, deflate; or as it is if that is no
+/// shorter. Done here because exr's own takes three times as long to save a tenth more.
+fn zip(data: Vec<u8>) -> Vec<u8> {
+    let mut bytes: Vec<u8> = data.iter().step_by(2).chain(data.iter().skip(1).step_by(2)).copied().collect();
+    for i in (1..bytes.len()).rev() {
+        bytes[i] = bytes[i].wrapping_sub(bytes[i - 1]).wrapping_add(128);
+    }
+    let packed = compress_to_vec_zlib(&bytes, DEFLATE_LEVEL);
+    if packed.len() < data.len() { packed } else { data }
 }
 
 fn description(channel: &Channel) -> ::exr::error::Result<ChannelDescription> {

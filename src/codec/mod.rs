@@ -202,7 +202,7 @@ impl Source<'_> {
         })
     }
 
-    /// Runs a decoder; a panic inside (third-party decoders have been seen to) is an error about the file.
+    /// Runs a decoder: a panic inside the crates that decode is an error about the file.
     fn guard<T>(&self, decode: impl FnOnce() -> Result<T>) -> Result<T> {
         catch_unwind(AssertUnwindSafe(decode)).unwrap_or_else(|_| Err(self.broken("the decoder failed on it")))
     }
