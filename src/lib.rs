@@ -1,5 +1,6 @@
 //! mipfold builds mip chains that keep a material looking the same at every distance.
 
+pub mod cli;
 pub mod codec;
 pub mod error;
 pub mod fold;

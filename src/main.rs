@@ -1,1 +1,7 @@
-fn main() {}
+//! The `mipfold` command.
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    mipfold::cli::run()
+}

@@ -7,7 +7,7 @@ mod stage;
 mod write;
 
 pub use manifest::{Input, Manifest, OutputMap, SCHEMA};
-pub use plan::{Content, Format, Output, Plan, Request};
+pub use plan::{Content, Format, Output, Plan, Request, safe_name};
 pub use stage::Stage;
 pub use write::write;
 

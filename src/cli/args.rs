@@ -1,0 +1,263 @@
+//! The command line's words.
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+
+use crate::codec::Depth;
+use crate::fold::{DEFAULT_FOLD, FOLDS, Fold, Options};
+use crate::image::Wrap;
+use crate::material::{DEFAULT_HEIGHT_SCALE, DEFAULT_ROUGHNESS, NormalY, NormalZ};
+use crate::ndf::Form;
+use crate::output::Format;
+use crate::roughness::Alpha;
+
+/// Mip chains that keep a material looking the same at every distance.
+///
+/// When a normal map is minified its bumps average away, and the far surface turns too smooth and too shiny. mipfold
+/// folds the lost bumps into the roughness of each mip level.
+#[derive(Parser)]
+#[command(name = "mipfold", version, max_term_width = 100)]
+#[command(after_help = "Exit codes: 0 done, 2 bad usage or input.")]
+pub struct Cli {
+    #[command(subcommand)]
+    pub command: Command,
+    #[command(flatten)]
+    pub global: Global,
+}
+
+#[derive(Args)]
+pub struct Global {
+    /// Print one JSON object for programs instead of text
+    #[arg(long, global = true)]
+    pub json: bool,
+    /// Print nothing but warnings and errors
+    #[arg(long, short, global = true)]
+    pub quiet: bool,
+    /// Worker threads [default: one a core]; the outputs are the same for any number
+    #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+    /// Read and check everything, say what would be written, write nothing
+    #[arg(long, global = true)]
+    pub dry_run: bool,
+    /// Replace files that mipfold did not write
+    #[arg(long, short, global = true)]
+    pub force: bool,
+}
+
+#[derive(Subcommand)]
+pub enum Command {
+    /// Build a folded mip chain from a normal map and a roughness map, or from a folder of texture sets
+    Build(BuildArgs),
+    /// Make a sample material, build its chain, and draw it from near to far: plain mips, folded, truth
+    Demo(DemoArgs),
+}
+
+/// Names of folds, for the help.
+fn fold_list() -> String {
+    let lines = FOLDS.iter().map(|fold| {
+        let form = if fold.anisotropic.is_some() { "" } else { " (one width only)" };
+        format!("  {:<18} {}{form}", fold.name, fold.about)
+    });
+    format!("Folds:\n{}\n\nExit codes: 0 done, 2 bad usage or input.", lines.collect::<Vec<_>>().join("\n"))
+}
+
+#[derive(Args)]
+#[command(after_help = fold_list())]
+pub struct BuildArgs {
+    /// Folders of texture sets, found by file name (NAME_normal.png, NAME_roughness.png, NAME_orm.png, ...)
+    #[arg(value_name = "FOLDER", conflicts_with_all = ["normal", "roughness", "gloss", "orm", "height", "anisotropy"])]
+    pub inputs: Vec<PathBuf>,
+    /// Folder for the outputs; several materials get a folder each below it
+    #[arg(long, short, value_name = "DIR")]
+    pub output: PathBuf,
+    #[command(flatten)]
+    pub maps: MapArgs,
+    #[command(flatten)]
+    pub reading: ReadingArgs,
+    #[command(flatten)]
+    pub folding: FoldArgs,
+    /// Container: png (a file a level) or exr (mip-mapped, and the lobes in full); may be repeated
+    #[arg(long, value_enum, default_value = "png", value_delimiter = ',')]
+    pub format: Vec<Format>,
+    /// Write 32-bit floats where --format exr writes 16-bit ones
+    #[arg(long)]
+    pub float: bool,
+    /// Also write the raw LEAN slope moments as mip-mapped EXR (OpenImageIO's bumpslopes channels)
+    #[arg(long)]
+    pub moments: bool,
+}
+
+#[derive(Args)]
+#[command(next_help_heading = "Maps of one material")]
+pub struct MapArgs {
+    /// Tangent-space normal map
+    #[arg(long, value_name = "FILE")]
+    pub normal: Option<PathBuf>,
+    #[arg(long, value_name = "FILE[:r|g|b|a]|NUMBER", help = format!(
+        "Perceptual roughness: a map, a channel of one (orm.png:g), or one number [default: {}]", DEFAULT_ROUGHNESS.0))]
+    pub roughness: Option<String>,
+    /// Gloss or smoothness (1 - roughness): a map or a channel of one (mask.png:a)
+    #[arg(
+        long,
+        alias = "smoothness",
+        visible_alias = "smoothness",
+        value_name = "FILE[:r|g|b|a]",
+        conflicts_with = "roughness"
+    )]
+    pub gloss: Option<String>,
+    /// Packed occlusion, roughness, metal; the same as --roughness FILE:g
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["roughness", "gloss"])]
+    pub orm: Option<PathBuf>,
+    /// Anisotropy map in glTF's form: direction in red and green, strength in blue
+    #[arg(long, value_name = "FILE")]
+    pub anisotropy: Option<PathBuf>,
+    /// Height map, from which normals are derived if there is no normal map
+    #[arg(long, value_name = "FILE")]
+    pub height: Option<PathBuf>,
+    /// Name of the material [default: from the files]
+    #[arg(long)]
+    pub name: Option<String>,
+}
+
+#[derive(Args)]
+#[command(next_help_heading = "How to read them")]
+pub struct ReadingArgs {
+    /// Which way the normal map's green points: opengl is up (+Y), directx is down (-Y)
+    #[arg(long, value_enum, default_value = "opengl", value_name = "CONVENTION")]
+    pub normal_y: NormalY,
+    /// Where z comes from: stored, rebuilt from x and y, or auto: stored if there is a third channel
+    #[arg(long, value_enum, default_value = "auto")]
+    pub normal_z: NormalZ,
+    /// Normal strength that the renderer applies (glTF's normalTexture.scale)
+    #[arg(long, value_name = "K", default_value = "1", value_parser = positive)]
+    pub normal_scale: f32,
+    #[arg(long, value_name = "H", value_parser = positive,
+          help = format!("Height of white over black, in widths of the texture [default: {DEFAULT_HEIGHT_SCALE}]"))]
+    pub height_scale: Option<f32>,
+    /// What lies beyond the border
+    #[arg(long, value_enum, default_value = "repeat")]
+    pub wrap: WrapArg,
+}
+
+#[derive(Args)]
+#[command(next_help_heading = "Folding")]
+pub struct FoldArgs {
+    #[arg(long, value_name = "NAME", default_value = DEFAULT_FOLD.name, value_parser = fold_name, help = "How a footprint becomes one lobe; the names are below")]
+    pub fold: &'static Fold,
+    /// Widths of a lobe: iso (drop-in roughness) or aniso (roughness and an anisotropy map)
+    #[arg(long, value_enum, default_value = "iso")]
+    pub lobes: LobesArg,
+    /// Share of the lost bumps that is folded in: 0 none, 1 all
+    #[arg(long, value_name = "S", default_value = "1", value_parser = not_negative)]
+    pub strength: f32,
+    /// Smallest alpha (perceptual roughness squared) in any level but the first
+    #[arg(long, value_name = "A", default_value = "0", value_parser = unit)]
+    pub min_alpha: f32,
+    /// Largest alpha in any level but the first
+    #[arg(long, value_name = "A", default_value = "1", value_parser = unit)]
+    pub max_alpha: f32,
+}
+
+#[derive(Args)]
+pub struct DemoArgs {
+    /// Sample to make; --list names them
+    #[arg(default_value = "hammered-metal", value_name = "SAMPLE")]
+    pub sample: String,
+    /// Make every sample
+    #[arg(long)]
+    pub all: bool,
+    /// Name the samples and stop
+    #[arg(long)]
+    pub list: bool,
+    /// Folder for the sample's maps, its chain and the picture
+    #[arg(long, short, value_name = "DIR", default_value = "mipfold-demo")]
+    pub output: PathBuf,
+    /// Texels along each side
+    #[arg(long, default_value = "512", value_name = "N", value_parser = clap::value_parser!(u16).range(16..=4096))]
+    pub size: u16,
+    /// Seed of the sample
+    #[arg(long, default_value = "1")]
+    pub seed: u64,
+    #[command(flatten)]
+    pub folding: FoldArgs,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+pub enum WrapArg {
+    Repeat,
+    Mirror,
+    Clamp,
+}
+
+#[derive(Clone, Copy, PartialEq, ValueEnum)]
+pub enum LobesArg {
+    Iso,
+    Aniso,
+}
+
+impl From<WrapArg> for Wrap {
+    fn from(wrap: WrapArg) -> Self {
+        match wrap {
+            WrapArg::Repeat => Wrap::Repeat,
+            WrapArg::Mirror => Wrap::Mirror,
+            WrapArg::Clamp => Wrap::Clamp,
+        }
+    }
+}
+
+impl FoldArgs {
+    pub fn options(&self, slope_moments: bool) -> crate::error::Result<Options> {
+        let form = if self.lobes == LobesArg::Aniso { Form::Anisotropic } else { Form::Isotropic };
+        if form == Form::Anisotropic && self.fold.anisotropic.is_none() {
+            let names: Vec<_> = FOLDS.iter().filter(|f| f.anisotropic.is_some()).map(|f| f.name).collect();
+            return Err(crate::Error::invalid_option(
+                "--lobes aniso",
+                format!("fold '{}', which has one width only", self.fold.name),
+                format!("one of {}", names.join(", ")),
+            ));
+        }
+        if self.min_alpha > self.max_alpha {
+            return Err(crate::Error::invalid_option(
+                "--min-alpha",
+                format!("{} above --max-alpha {}", self.min_alpha, self.max_alpha),
+                "a smaller one",
+            ));
+        }
+        Ok(Options {
+            fold: self.fold,
+            form,
+            strength: self.strength,
+            min_alpha: Alpha(self.min_alpha),
+            max_alpha: Alpha(self.max_alpha),
+            slope_moments,
+        })
+    }
+}
+
+impl BuildArgs {
+    pub fn depth(&self) -> Depth {
+        if self.float { Depth::Float } else { Depth::Half }
+    }
+}
+
+fn fold_name(name: &str) -> Result<&'static Fold, String> {
+    Fold::by_name(name).map_err(|e| e.to_string())
+}
+
+fn number(text: &str, ok: impl Fn(f32) -> bool, expected: &str) -> Result<f32, String> {
+    let value: f32 = text.parse().map_err(|_| format!("expected {expected}"))?;
+    if value.is_finite() && ok(value) { Ok(value) } else { Err(format!("expected {expected}")) }
+}
+
+fn positive(text: &str) -> Result<f32, String> {
+    number(text, |v| v > 0.0, "a number above 0")
+}
+
+fn not_negative(text: &str) -> Result<f32, String> {
+    number(text, |v| v >= 0.0, "a number from 0 up")
+}
+
+fn unit(text: &str) -> Result<f32, String> {
+    number(text, |v| (0.0..=1.0).contains(&v), "a number from 0 to 1")
+}

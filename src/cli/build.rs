@@ -1,0 +1,124 @@
+//! `mipfold build`.
+
+use std::path::Path;
+
+use rayon::prelude::*;
+
+use super::args::{BuildArgs, Global, MapArgs};
+use super::job;
+use super::report::Report;
+use crate::error::{Error, Result};
+use crate::material::{ChannelRef, Inputs, RoughnessInput, detect};
+use crate::output::{Request, safe_name};
+use crate::roughness::PerceptualRoughness;
+
+pub fn run(args: &BuildArgs, global: &Global, report: &mut Report) -> Result<()> {
+    let options = args.folding.options(args.moments)?;
+    let mut sets = if args.inputs.is_empty() { vec![single(&args.maps)?] } else { folders(args)? };
+    for set in &mut sets {
+        set.normal_z = args.reading.normal_z;
+        set.normal_scale = Some(args.reading.normal_scale);
+        set.height_scale = args.reading.height_scale;
+        set.wrap = args.reading.wrap.into();
+    }
+    if args.inputs.is_empty() {
+        sets[0].normal_y = args.reading.normal_y;
+    }
+    if let (Some(name), [only]) = (&args.maps.name, &mut sets[..]) {
+        only.name.clone_from(name);
+    }
+    let folders = output_folders(&args.output, &sets);
+    let jobs: Vec<_> = sets.iter().zip(folders).collect();
+    let results: Vec<_> = jobs
+        .par_iter()
+        .with_max_len(1)
+        .map(|(inputs, folder)| {
+            let request = Request {
+                folder: folder.clone(),
+                formats: args.format.clone(),
+                depth: args.depth(),
+                moments: args.moments,
+                force: global.force,
+            };
+            job::build(inputs, &options, &request, global.dry_run, &report.progress).map(|done| done.built)
+        })
+        .collect();
+    for result in results {
+        match result {
+            Ok(built) => report.built(built),
+            Err(error) => report.error(&error),
+        }
+    }
+    Ok(())
+}
+
+/// A material from flags.
+fn single(maps: &MapArgs) -> Result<Inputs> {
+    let orm = maps.orm.as_ref().map(|path| ChannelRef { path: path.clone(), channel: Some(1) });
+    let roughness = match (&maps.roughness, &maps.gloss, orm) {
+        (Some(text), _, _) => roughness(text)?,
+        (_, Some(text), _) => RoughnessInput::Smoothness(ChannelRef::parse(text)),
+        (_, _, Some(orm)) => RoughnessInput::Roughness(orm),
+        _ => RoughnessInput::Missing,
+    };
+    let first = maps.normal.as_deref().or(maps.height.as_deref()).or(match &roughness {
+        RoughnessInput::Roughness(c) | RoughnessInput::Smoothness(c) => Some(c.path.as_path()),
+        _ => None,
+    });
+    let Some(first) = first else {
+        return Err(Error::invalid_option("build", "no maps", "a folder, or --normal, --height or --roughness FILE"));
+    };
+    Ok(Inputs {
+        name: first.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
+        normal: maps.normal.clone(),
+        roughness,
+        anisotropy: maps.anisotropy.clone(),
+        height: maps.height.clone(),
+        ..Inputs::default()
+    })
+}
+
+/// A number, or a channel of a file.
+fn roughness(text: &str) -> Result<RoughnessInput> {
+    match text.parse::<f32>() {
+        Ok(r) if (0.0..=1.0).contains(&r) => Ok(RoughnessInput::Constant(PerceptualRoughness(r))),
+        Ok(r) => Err(Error::invalid_option("--roughness", r.to_string(), "a number from 0 to 1, or a file")),
+        Err(_) => Ok(RoughnessInput::Roughness(ChannelRef::parse(text))),
+    }
+}
+
+fn folders(args: &BuildArgs) -> Result<Vec<Inputs>> {
+    let mut sets = Vec::new();
+    for input in &args.inputs {
+        let extension = input.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+        if input.is_file() {
+            let hint = if extension == "glb" || extension == "gltf" {
+                "a folder of texture files; glTF is not read yet"
+            } else {
+                "a folder; single maps are given with --normal and --roughness"
+            };
+            return Err(Error::unsupported(input, "a single file", hint));
+        }
+        sets.extend(detect::folder(input, args.reading.normal_y)?);
+    }
+    Ok(sets)
+}
+
+/// One material writes into the folder itself, several into one each, named apart.
+fn output_folders(output: &Path, sets: &[Inputs]) -> Vec<std::path::PathBuf> {
+    if sets.len() == 1 {
+        return vec![output.to_owned()];
+    }
+    let mut taken: Vec<String> = Vec::new();
+    for set in sets {
+        let base = safe_name(&set.name);
+        let mut name = base.clone();
+        let mut n = 2;
+        while taken.contains(&name) {
+            name = format!("{base}_{n}");
+            n += 1;
+        }
+        taken.push(name);
+    }
+    taken.into_iter().map(|name| output.join(name)).collect()
+}
