@@ -39,7 +39,8 @@ const WORDS: &[(&[&str], Kind)] = &[
     (&["roughness", "roughnessmap", "rough", "rgh", "r"], Roughness),
     (&["gloss", "glossiness", "smoothness", "smooth", "g"], Smoothness),
     (&["orm", "arm", "aorm", "occlusionroughnessmetallic", "occlusionroughmetal", "aoroughmetal"], Packed(1)),
-    (&["metallicroughness", "metalroughness", "metalrough", "metalrgh", "mr"], Packed(1)),
+    // Not "metal roughness": that is the roughness of something called metal.
+    (&["metallicroughness", "roughnessmetallic", "mr"], Packed(1)),
     (&["mra", "mrao"], Packed(1)),
     (&["rma", "rmo"], Packed(0)),
     (&["normalroughness", "nrmrgh", "nrmrough", "normrough"], NormalRoughness),
@@ -54,51 +55,66 @@ const WORDS: &[(&[&str], Kind)] = &[
 /// Extensions that are read.
 const EXTENSIONS: &[&str] = &["png", "jpg", "jpeg", "tif", "tiff", "tga", "bmp", "webp", "hdr", "exr"];
 
-/// Lower-case words of a file stem.
-fn words(stem: &str) -> Vec<String> {
-    let mut words = vec![String::new()];
+/// Lower-case words of a file stem, and where each stands.
+fn words(stem: &str) -> Vec<(String, std::ops::Range<usize>)> {
+    let mut words: Vec<(String, std::ops::Range<usize>)> = Vec::new();
     let mut before = ' ';
-    for c in stem.chars() {
-        let cut = !c.is_alphanumeric()
+    for (at, c) in stem.char_indices() {
+        let cut = !before.is_alphanumeric()
             || (before.is_lowercase() && c.is_uppercase())
-            || (before.is_ascii_digit() != c.is_ascii_digit() && before.is_alphanumeric());
-        if cut && !words.last().is_some_and(String::is_empty) {
-            words.push(String::new());
-        }
+            || before.is_ascii_digit() != c.is_ascii_digit();
         if c.is_alphanumeric() {
-            words.last_mut().expect("never empty").extend(c.to_lowercase());
+            if cut {
+                words.push((String::new(), at..at));
+            }
+            let (word, range) = words.last_mut().expect("pushed");
+            word.extend(c.to_lowercase());
+            range.end = at + c.len_utf8();
         }
         before = c;
     }
-    words.retain(|w| !w.is_empty());
     words
 }
 
-/// The kind that a name means, and the words that are left: what is common to the maps of one material.
-fn kind_of(stem: &str) -> Option<(Kind, String)> {
+/// What a name means.
+#[derive(Debug, PartialEq)]
+struct Meaning {
+    kind: Kind,
+    /// Channel named by a trailing `in_g` or the like.
+    channel: Option<usize>,
+    /// The rest of the name, which the maps of one material have in common.
+    material: String,
+}
+
+fn meaning_of(stem: &str) -> Option<Meaning> {
     let words = words(stem);
-    let mut best: Option<(usize, usize, Kind)> = None;
+    let mut best: Option<((bool, usize, bool), std::ops::Range<usize>, Kind)> = None;
     for start in 0..words.len() {
         for end in start + 1..=(start + 4).min(words.len()) {
-            let joined = words[start..end].concat();
-            if joined.len() == 1 && end != words.len() {
-                continue;
-            }
-            let kind = WORDS.iter().find(|(names, _)| names.contains(&joined.as_str())).map(|(_, kind)| *kind);
-            if let Some(kind) = kind {
-                // The longest run; of equals a role that is ours before one that is not, then the last.
-                let rank = |length: usize, single: bool, kind: Kind| (!single, kind != Ignored, length);
-                let new = rank(end - start, joined.len() == 1, kind);
-                let old = best.map(|(s, e, k)| rank(e - s, words[s..e].concat().len() == 1, k));
-                if old.is_none_or(|old| new >= old) {
-                    best = Some((start, end, kind));
-                }
+            let joined: String = words[start..end].iter().map(|(word, _)| word.as_str()).collect();
+            let single = joined.len() == 1;
+            let Some((_, kind)) = WORDS.iter().find(|(names, _)| names.contains(&joined.as_str())) else { continue };
+            // A single letter last, and only if it ends the name; then the longest run, of equals one that is ours,
+            // of those the last.
+            let rank = (!single, end - start, *kind != Ignored);
+            if (!single || end == words.len()) && best.as_ref().is_none_or(|(old, ..)| rank >= *old) {
+                best = Some((rank, start..end, *kind));
             }
         }
     }
-    let (start, end, kind) = best?;
-    let rest: Vec<&str> = words[..start].iter().chain(&words[end..]).map(String::as_str).collect();
-    Some((kind, rest.join("_")))
+    let (_, run, kind) = best?;
+    let (mut end, mut channel) = (run.end, None);
+    if let [(word, _), (letter, _), ..] = &words[end..]
+        && word == "in"
+        && let Some(c) = ["r", "g", "b", "a"].iter().position(|name| name == letter)
+    {
+        (end, channel) = (end + 2, Some(c));
+    }
+    let separator = |c: char| !c.is_alphanumeric();
+    let (head, tail) = (&stem[..words[run.start].1.start], &stem[words[end - 1].1.end..]);
+    let (head, tail) = (head.trim_matches(separator), tail.trim_matches(separator));
+    let joint = if head.is_empty() || tail.is_empty() { "" } else { "_" };
+    Some(Meaning { kind, channel, material: format!("{head}{joint}{tail}") })
 }
 
 /// The materials in a folder: its own maps by their common names, or else those of its sub-folders.
@@ -135,93 +151,114 @@ fn maps_in(folder: &Path, want: NormalY) -> Result<Vec<Inputs>> {
         let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
         path.is_file() && EXTENSIONS.contains(&extension.as_str())
     };
-    let mut sets: Vec<(String, Vec<(Kind, PathBuf)>)> = Vec::new();
+    let mut sets: Vec<(String, Vec<Candidate>)> = Vec::new();
     for path in entries(folder)?.into_iter().filter(is_picture) {
         let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-        let Some((kind, key)) = kind_of(&stem) else { continue };
-        match sets.iter_mut().find(|(k, _)| *k == key) {
-            Some((_, files)) => files.push((kind, path)),
-            None => sets.push((key, vec![(kind, path)])),
+        let Some(Meaning { kind, channel, material }) = meaning_of(&stem) else { continue };
+        let file = Candidate { kind, file: ChannelRef { path, channel } };
+        match sets.iter_mut().find(|(name, _)| name.eq_ignore_ascii_case(&material)) {
+            Some((_, files)) => files.push(file),
+            None => sets.push((material, vec![file])),
         }
     }
     let folder_name = folder.canonicalize().ok().and_then(|p| Some(p.file_name()?.to_string_lossy().into_owned()));
     let mut found = Vec::new();
-    for (key, files) in sets {
-        let name = if key.is_empty() { folder_name.clone().unwrap_or_else(|| "material".into()) } else { key };
+    for (name, files) in sets {
+        let name = if name.is_empty() { folder_name.clone().unwrap_or_else(|| "material".into()) } else { name };
         found.extend(set(folder, name, &files, want)?);
     }
     Ok(found)
 }
 
-/// One material from the files of one common name; `None` if there is nothing to fold.
-fn set(folder: &Path, name: String, files: &[(Kind, PathBuf)], want: NormalY) -> Result<Option<Inputs>> {
-    let of = |wanted: &dyn Fn(Kind) -> bool| -> Vec<&PathBuf> {
-        files.iter().filter(|(kind, _)| wanted(*kind)).map(|(_, path)| path).collect()
-    };
-    let one = |what: &str, flag: &str, candidates: Vec<&PathBuf>| match candidates[..] {
-        [] => Ok(None),
-        [only] => Ok(Some(only.clone())),
-        _ => {
-            let names: Vec<_> =
-                candidates.iter().map(|p| p.file_name().unwrap_or_default().to_string_lossy()).collect();
-            Err(Error::invalid(
-                folder,
-                format!("{} candidates for the {what} map: {}", names.len(), names.join(", ")),
-                format!("one; choose with {flag} FILE"),
-            ))
-        }
-    };
-    let mut inputs = Inputs { name, normal_y: want, ..Inputs::default() };
-    // Of a pair in both conventions, the one that is wanted; an unmarked map stands for the wanted one.
-    let other = if want == NormalY::OpenGl { DIRECTX } else { OPENGL };
-    let marked = of(&|k| k == Normal(Some(want)));
-    let unmarked = of(&|k| k == Normal(None) || k == NormalRoughness);
-    let opposite = of(&|k| k == other);
-    let several = [&marked, &unmarked, &opposite].iter().filter(|c| !c.is_empty()).count() > 1;
-    let chosen = [marked, unmarked].into_iter().find(|c| !c.is_empty());
-    inputs.normal = match chosen {
-        Some(candidates) => one("normal", "--normal", candidates)?,
-        None => {
-            let only = one("normal", "--normal", opposite)?;
-            if let (Some(_), Normal(Some(y))) = (&only, other) {
-                inputs.normal_y = y;
-                inputs.notes.push(format!("the normal map's name says {}", y.describe()));
+/// A file that may play a role.
+struct Candidate {
+    kind: Kind,
+    file: ChannelRef,
+}
+
+/// The files of one common name.
+struct Candidates<'a> {
+    folder: &'a Path,
+    files: &'a [Candidate],
+}
+
+impl Candidates<'_> {
+    /// The only file that `wanted` accepts, if there is one; two are an error.
+    fn one(&self, what: &str, flag: &str, wanted: impl Fn(Kind) -> bool) -> Result<Option<ChannelRef>> {
+        let found: Vec<_> = self.files.iter().filter(|c| wanted(c.kind)).map(|c| &c.file).collect();
+        match found[..] {
+            [] => Ok(None),
+            [only] => Ok(Some(only.clone())),
+            _ => {
+                let names: Vec<_> =
+                    found.iter().map(|c| c.path.file_name().unwrap_or_default().to_string_lossy()).collect();
+                let found = format!("{} candidates for the {what} map: {}", names.len(), names.join(", "));
+                Err(Error::invalid(self.folder, found, format!("one; choose with {flag} FILE")))
             }
-            only
         }
+    }
+
+    fn any(&self, wanted: impl Fn(Kind) -> bool) -> bool {
+        self.files.iter().any(|c| wanted(c.kind))
+    }
+
+    /// A roughness map before a packed one, a packed one before smoothness.
+    fn roughness(&self) -> Result<RoughnessInput> {
+        let kinds: [(&str, &[Kind]); 4] = [
+            ("roughness", &[Roughness]),
+            ("roughness", &[NormalRoughness]),
+            ("packed", &[Packed(0), Packed(1)]),
+            ("smoothness", &[Smoothness]),
+        ];
+        for (what, kinds) in kinds {
+            let flag = if kinds == [Smoothness] { "--smoothness" } else { "--roughness" };
+            let Some(mut file) = self.one(what, flag, |k| kinds.contains(&k))? else { continue };
+            let kind = self.files.iter().find(|c| c.file.path == file.path).map(|c| c.kind);
+            file.channel = file.channel.or(match kind {
+                Some(NormalRoughness) => Some(3),
+                Some(Packed(channel)) => Some(channel),
+                _ => None,
+            });
+            let smooth = kind == Some(Smoothness);
+            return Ok(if smooth { RoughnessInput::Smoothness(file) } else { RoughnessInput::Roughness(file) });
+        }
+        Ok(RoughnessInput::Missing)
+    }
+}
+
+/// One material from the files of one common name; `None` if there is nothing to fold.
+fn set(folder: &Path, name: String, files: &[Candidate], want: NormalY) -> Result<Option<Inputs>> {
+    let candidates = Candidates { folder, files };
+    let path = |file: Option<ChannelRef>| file.map(|f| f.path);
+    let mut inputs = Inputs { name, normal_y: want, ..Inputs::default() };
+    // Of maps in both conventions the one that is wanted; an unmarked map stands for the wanted one.
+    let other = if want == NormalY::OpenGl { NormalY::DirectX } else { NormalY::OpenGl };
+    let marked = |k| k == Normal(Some(want));
+    let unmarked = |k| k == Normal(None) || k == NormalRoughness;
+    let opposite = |k| k == Normal(Some(other));
+    inputs.normal = if candidates.any(marked) {
+        path(candidates.one("normal", "--normal", marked)?)
+    } else if candidates.any(unmarked) {
+        path(candidates.one("normal", "--normal", unmarked)?)
+    } else if candidates.any(opposite) {
+        inputs.normal_y = other;
+        inputs.notes.push(format!("the normal map's name says {}", other.describe()));
+        path(candidates.one("normal", "--normal", opposite)?)
+    } else {
+        None
     };
-    if let (true, Some(path)) = (several, &inputs.normal) {
+    let kinds = [candidates.any(marked), candidates.any(unmarked), candidates.any(opposite)];
+    if let (true, Some(path)) = (kinds.iter().filter(|k| **k).count() > 1, &inputs.normal) {
         let file = path.file_name().unwrap_or_default().to_string_lossy();
         inputs.notes.push(format!("several normal maps: {file} taken as {}", want.describe()));
     }
-    inputs.roughness = roughness(&one, &of)?;
-    inputs.anisotropy = one("anisotropy", "--anisotropy", of(&|k| k == Anisotropy))?;
+    inputs.roughness = candidates.roughness()?;
+    inputs.anisotropy = path(candidates.one("anisotropy", "--anisotropy", |k| k == Anisotropy)?);
     if inputs.normal.is_none() {
-        inputs.height = one("height", "--height", of(&|k| k == Height))?;
+        inputs.height = path(candidates.one("height", "--height", |k| k == Height)?);
     }
     let foldable = inputs.normal.is_some() || inputs.height.is_some() || inputs.roughness != RoughnessInput::Missing;
     Ok(foldable.then_some(inputs))
-}
-
-/// The roughness of a set: a map of its own before a packed one, a packed one before smoothness.
-fn roughness<'a>(
-    one: &dyn Fn(&str, &str, Vec<&'a PathBuf>) -> Result<Option<PathBuf>>,
-    of: &dyn Fn(&dyn Fn(Kind) -> bool) -> Vec<&'a PathBuf>,
-) -> Result<RoughnessInput> {
-    if let Some(path) = one("roughness", "--roughness", of(&|k| k == Roughness))? {
-        return Ok(RoughnessInput::Roughness(ChannelRef { path, channel: None }));
-    }
-    if let Some(path) = one("roughness", "--roughness", of(&|k| k == NormalRoughness))? {
-        return Ok(RoughnessInput::Roughness(ChannelRef { path, channel: Some(3) }));
-    }
-    if let Some(path) = one("packed", "--roughness FILE:CHANNEL, not", of(&|k| matches!(k, Packed(_))))? {
-        let channel = if of(&|k| k == Packed(0)).iter().any(|p| **p == path) { 0 } else { 1 };
-        return Ok(RoughnessInput::Roughness(ChannelRef { path, channel: Some(channel) }));
-    }
-    if let Some(path) = one("smoothness", "--smoothness", of(&|k| k == Smoothness))? {
-        return Ok(RoughnessInput::Smoothness(ChannelRef { path, channel: None }));
-    }
-    Ok(RoughnessInput::Missing)
 }
 
 #[cfg(test)]
@@ -232,32 +269,35 @@ mod tests {
     fn names_seen_in_the_wild() {
         let cases = [
             ("normal", Normal(None), ""),
-            ("brown_mud_leaves_01_Nor_8k", Normal(None), "brown_mud_leaves_01_8_k"),
-            ("greymarble_3_roughness-1K", Roughness, "greymarble_3_1_k"),
-            ("BricksFlemishRed001_NRM_3K", Normal(None), "bricks_flemish_red_001_3_k"),
-            ("BricksFlemishRed001_GLOSS_3K", Smoothness, "bricks_flemish_red_001_3_k"),
-            ("Metal009_2K_NormalDX", DIRECTX, "metal_009_2_k"),
-            ("Metal009_2K_Roughness", Roughness, "metal_009_2_k"),
-            ("Paper001_1K-JPG_NormalGL", OPENGL, "paper_001_1_k_jpg"),
-            ("tea_set_01_nor_gl_1k", OPENGL, "tea_set_01_1_k"),
-            ("tea_set_01_arm_1k", Packed(1), "tea_set_01_1_k"),
+            ("brown_mud_leaves_01_Nor_8k", Normal(None), "brown_mud_leaves_01_8k"),
+            ("greymarble_3_roughness-1K", Roughness, "greymarble_3_1K"),
+            ("BricksFlemishRed001_NRM_3K", Normal(None), "BricksFlemishRed001_3K"),
+            ("BricksFlemishRed001_GLOSS_3K", Smoothness, "BricksFlemishRed001_3K"),
+            ("Metal009_2K_NormalDX", DIRECTX, "Metal009_2K"),
+            ("Metal009_2K_Roughness", Roughness, "Metal009_2K"),
+            ("Paper001_1K-JPG_NormalGL", OPENGL, "Paper001_1K-JPG"),
+            ("tea_set_01_nor_gl_1k", OPENGL, "tea_set_01_1k"),
+            ("tea_set_01_arm_1k", Packed(1), "tea_set_01_1k"),
             (
                 "FlightHelmet_Materials_RubberWoodMat_OcclusionRoughMetal",
                 Packed(1),
-                "flight_helmet_materials_rubber_wood_mat",
+                "FlightHelmet_Materials_RubberWoodMat",
             ),
-            ("ground037_nrm_rgh", NormalRoughness, "ground_037"),
+            ("ground037_nrm_rgh", NormalRoughness, "ground037"),
             ("albedo_height", Ignored, ""),
-            ("roughness_in_g", Roughness, "in_g"),
             ("wall_n", Normal(None), "wall"),
             ("n_wall_color", Ignored, "n_wall"),
+            ("rusty_metal_roughness", Roughness, "rusty_metal"),
             ("rock_metallicRoughness", Packed(1), "rock"),
             ("rust_RMA", Packed(0), "rust"),
             ("normal_dx", DIRECTX, ""),
         ];
-        for (stem, kind, rest) in cases {
-            assert_eq!(kind_of(stem), Some((kind, rest.to_string())), "{stem}");
+        for (stem, kind, material) in cases {
+            let meaning = Meaning { kind, channel: None, material: material.into() };
+            assert_eq!(meaning_of(stem), Some(meaning), "{stem}");
         }
-        assert_eq!(kind_of("readme_2024"), None);
+        let meaning = Meaning { kind: Roughness, channel: Some(1), material: "veneer_1k".into() };
+        assert_eq!(meaning_of("veneer_rough_in_g_1k"), Some(meaning));
+        assert_eq!(meaning_of("readme_2024"), None);
     }
 }
