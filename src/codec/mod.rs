@@ -46,6 +46,18 @@ pub struct Decoded {
     pub sha256: String,
     /// Length of the file in bytes.
     pub bytes_len: usize,
+    /// A PNG with the header that [`write_png`] would give it and without claims about colour: it can be passed on byte
+    /// for byte.
+    pub plain_png: bool,
+}
+
+/// The file, if it still is the one of this digest.
+pub fn same_bytes(path: &Path, sha256: &str) -> Option<Vec<u8>> {
+    std::fs::read(path).ok().filter(|bytes| digest(bytes) == sha256)
+}
+
+fn digest(bytes: &[u8]) -> String {
+    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 /// Reads a picture. The format is told by the content, whatever the file is called; TGA, which has no magic number,
@@ -65,8 +77,8 @@ pub fn read(path: &Path) -> Result<Decoded> {
         Format::Tiff => tiff::decode(&source),
         _ => pictures::decode(&source),
     })?;
-    let sha256 = Sha256::digest(&bytes).iter().map(|byte| format!("{byte:02x}")).collect();
-    Ok(Decoded { raster, format: format.name(), notes, sha256, bytes_len: bytes.len() })
+    let plain_png = format == Format::Png && png::is_plain(&bytes);
+    Ok(Decoded { raster, format: format.name(), notes, sha256: digest(&bytes), bytes_len: bytes.len(), plain_png })
 }
 
 fn file(path: &Path) -> Result<Vec<u8>> {

@@ -73,34 +73,43 @@ fn array<T>(shape: (usize, usize, usize), samples: Vec<T>) -> Array3<T> {
     Array3::from_shape_vec(shape, samples).expect("as many samples as the header says")
 }
 
-/// What the file says about its colours, which is not obeyed. Read from the list of chunks itself, so that a damaged
-/// profile does no harm.
-fn color_notes(bytes: &[u8]) -> Option<String> {
-    let mut claims = Vec::new();
+/// The chunks before the first image data: kind and content. Read from the bytes, so that damage does no harm.
+fn chunks(bytes: &[u8]) -> impl Iterator<Item = ([u8; 4], &[u8])> {
     let mut rest = &bytes[8..];
-    while let Some((head, tail)) = rest.split_first_chunk::<8>() {
+    std::iter::from_fn(move || {
+        let (head, tail) = rest.split_first_chunk::<8>()?;
         let [a, b, c, d, kind @ ..] = *head;
-        let length = u32::from_be_bytes([a, b, c, d]) as usize;
-        let Some((data, tail)) = tail.split_at_checked(length) else { break };
-        match (&kind, data) {
-            (b"IDAT", _) => break,
-            (b"sRGB", _) => claims.push("is sRGB".to_owned()),
-            (b"iCCP", _) => claims.push("has an ICC profile".to_owned()),
-            (b"cICP", _) => claims.push("has a video colour space".to_owned()),
-            (b"cHRM", _) => claims.push("has primaries of its own".to_owned()),
-            (b"gAMA", &[a, b, c, d]) => {
-                let gamma = u32::from_be_bytes([a, b, c, d]);
-                if gamma != 100_000 {
-                    claims.push(format!("has a gamma of {}", f64::from(gamma) / 1e5));
-                }
-            }
-            _ => {}
-        }
+        let (data, tail) = tail.split_at_checked(u32::from_be_bytes([a, b, c, d]) as usize)?;
         // Past the checksum.
         rest = tail.get(4..).unwrap_or_default();
-    }
-    let claims = claims.join(" and ");
-    (!claims.is_empty()).then(|| format!("PNG says its data {claims}: ignored, data is taken as linear"))
+        (kind != *b"IDAT").then_some((kind, data))
+    })
+}
+
+/// What the file says about its colours, which is not obeyed.
+fn color_notes(bytes: &[u8]) -> Option<String> {
+    let claim = |(kind, data): ([u8; 4], &[u8])| match (&kind, data) {
+        (b"sRGB", _) => Some("is sRGB".to_owned()),
+        (b"iCCP", _) => Some("has an ICC profile".to_owned()),
+        (b"cICP", _) => Some("has a video colour space".to_owned()),
+        (b"cHRM", _) => Some("has primaries of its own".to_owned()),
+        (b"gAMA", &[a, b, c, d]) => {
+            let gamma = u32::from_be_bytes([a, b, c, d]);
+            (gamma != 100_000).then(|| format!("has a gamma of {}", f64::from(gamma) / 1e5))
+        }
+        _ => None,
+    };
+    let claims: Vec<_> = chunks(bytes).filter_map(claim).collect();
+    (!claims.is_empty())
+        .then(|| format!("PNG says its data {}: ignored, data is taken as linear", claims.join(" and ")))
+}
+
+/// Whether [`write_png`] would give the picture the same header: 8 or 16 bit, no palette, not interlaced, one frame,
+/// no transparent colour, and no claims about colour.
+pub(super) fn is_plain(bytes: &[u8]) -> bool {
+    let header = matches!(bytes.get(24..29), Some([8 | 16, 0 | 2 | 4 | 6, _, _, 0]));
+    let extra = |kind: &[u8; 4]| matches!(kind, b"tRNS" | b"acTL" | b"gAMA");
+    header && color_notes(bytes).is_none() && !chunks(bytes).any(|(kind, _)| extra(&kind))
 }
 
 /// Writes an 8- or 16-bit raster of 1 to 4 channels as PNG, compressed fast, without any statement about colour.

@@ -175,6 +175,7 @@ impl Job<'_> {
                     None => {
                         out.resize(self.layout, self.size.width, 1);
                         self.read_texels(0, y, out, 0, texels);
+                        out.zero_covariances(self.layout, 0);
                     }
                 };
                 reduce_rows(self.layout, fill, span, &across, &mut row, reduce);

@@ -55,24 +55,8 @@ impl Raster {
     /// Part of one row of one channel, from column `x`, as long as `out`: integers scaled to 0..1 (divided by
     /// 255 or 65535), floats as they are.
     pub fn read(&self, channel: usize, y: usize, x: usize, out: &mut [f32]) {
-        fn copy<T: Copy>(
-            samples: &Array3<T>,
-            channel: usize,
-            y: usize,
-            x: usize,
-            out: &mut [f32],
-            f: impl Fn(T) -> f32,
-        ) {
-            let channels = samples.dim().2;
-            let row = samples.index_axis(ndarray::Axis(0), y);
-            let row = row.to_slice().expect("rasters are in standard layout");
-            let texels = row[x * channels..].chunks_exact(channels);
-            for (out, texel) in out.iter_mut().zip(texels) {
-                *out = f(texel[channel]);
-            }
-        }
         match &self.samples {
-            Samples::U8(s) => copy(s, channel, y, x, out, |v| f32::from(v) / 255.0),
+            Samples::U8(s) => copy(s, channel, y, x, out, |v| UNORM8[usize::from(v)]),
             Samples::U16(s) => copy(s, channel, y, x, out, |v| f32::from(v) / 65535.0),
             Samples::F32(s) => copy(s, channel, y, x, out, |v| v),
         }
@@ -83,6 +67,38 @@ impl Raster {
         let mut out = [0.0];
         self.read(channel, y, x, &mut out);
         out[0]
+    }
+}
+
+/// `v / 255` for every byte: a look-up is quicker than a division.
+const UNORM8: [f32; 256] = {
+    let mut table = [0.0; 256];
+    let mut v = 0;
+    while v < 256 {
+        table[v] = v as f32 / 255.0;
+        v += 1;
+    }
+    table
+};
+
+/// Part of one row of one channel. The usual numbers of channels are known to the compiler.
+#[inline(always)]
+fn copy<T: Copy>(samples: &Array3<T>, channel: usize, y: usize, x: usize, out: &mut [f32], f: impl Fn(T) -> f32) {
+    fn strided<T: Copy, const N: usize>(row: &[T], channel: usize, out: &mut [f32], f: impl Fn(T) -> f32) {
+        assert!(channel < N);
+        for (out, texel) in out.iter_mut().zip(row.as_chunks::<N>().0) {
+            *out = f(texel[channel]);
+        }
+    }
+    let (_, width, channels) = samples.dim();
+    let samples = samples.as_slice().expect("rasters are in standard layout");
+    let row = &samples[(y * width + x) * channels..(y * width + width) * channels];
+    match channels {
+        1 => strided::<T, 1>(row, channel, out, f),
+        2 => strided::<T, 2>(row, channel, out, f),
+        3 => strided::<T, 3>(row, channel, out, f),
+        4 => strided::<T, 4>(row, channel, out, f),
+        n => out.iter_mut().zip(row.chunks_exact(n)).for_each(|(out, texel)| *out = f(texel[channel])),
     }
 }
 

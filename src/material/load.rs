@@ -204,6 +204,7 @@ impl Builder {
                 sha256: decoded.sha256,
                 size: raster.size(),
                 format: decoded.format,
+                plain_png: decoded.plain_png,
             },
             raster,
         });
@@ -266,7 +267,9 @@ impl Builder {
     }
 
     fn add_height(&mut self, path: &Path, inputs: &Inputs) -> Result<()> {
-        let decoded = codec::read(path)?;
+        let mut decoded = codec::read(path)?;
+        // What comes back is another picture.
+        decoded.plain_png = false;
         let scale = inputs.height_scale.unwrap_or(DEFAULT_HEIGHT_SCALE);
         let raster = height::normals(&decoded.raster, 0, scale, inputs.wrap);
         let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();

@@ -100,37 +100,42 @@ impl LevelView<'_> {
         let Size { width, height } = self.size();
         let dim = (height, width, file.roles.len());
         let samples = if bits == 8 {
-            let mut samples = Vec::with_capacity(dim.0 * dim.1 * dim.2);
-            self.quantised(map, 255, |v| samples.push(v as u8));
+            let samples = self.quantised(map, 255, |v| v as u8);
             Samples::U8(Array3::from_shape_vec(dim, samples).expect("every sample"))
         } else {
-            let mut samples = Vec::with_capacity(dim.0 * dim.1 * dim.2);
-            self.quantised(map, 65535, |v| samples.push(v as u16));
+            let samples = self.quantised(map, 65535, |v| v as u16);
             Samples::U16(Array3::from_shape_vec(dim, samples).expect("every sample"))
         };
         Cow::Owned(Raster { samples, channels: file.raster.channels.clone() })
     }
 
     /// All samples of a level of a map, texel by texel, rounded to 0..max.
-    fn quantised(&self, map: usize, max: i32, mut push: impl FnMut(i32)) {
+    fn quantised<T: Copy + Default>(&self, map: usize, max: i32, narrow: impl Fn(i32) -> T) -> Vec<T> {
         let file = &self.material.maps[map];
+        let channels = file.roles.len();
         let Size { width, height } = self.size();
-        let mut rows = vec![vec![0.0; width]; file.roles.len()];
         // Level 0 is the input's own pixels, however long its normals are.
         let xy = self.folded.and_then(|_| file.channel(Role::NormalX).zip(file.channel(Role::NormalY)));
-        let mut texel = vec![0; rows.len()];
-        for y in 0..height {
-            rows.iter_mut().enumerate().for_each(|(c, row)| self.row(map, c, Encoding::Unsigned, y, 0, row));
-            for x in 0..width {
-                for (sample, row) in texel.iter_mut().zip(&rows) {
-                    *sample = (row[x].clamp(0.0, 1.0) * max as f32 + 0.5) as i32;
+        let mut row = vec![0.0; width];
+        let mut rounded = vec![vec![0; width]; channels];
+        let mut samples = vec![T::default(); width * height * channels];
+        for (y, out) in samples.chunks_exact_mut(width * channels).enumerate() {
+            for (channel, rounded) in rounded.iter_mut().enumerate() {
+                self.row(map, channel, Encoding::Unsigned, y, 0, &mut row);
+                for (rounded, v) in rounded.iter_mut().zip(&row) {
+                    *rounded = (v.clamp(0.0, 1.0) * max as f32 + 0.5) as i32;
                 }
-                if let Some((cx, cy)) = xy {
-                    (texel[cx], texel[cy]) = inside_unit_disk(texel[cx], texel[cy], max);
+            }
+            if let Some((cx, cy)) = xy {
+                for i in 0..width {
+                    (rounded[cx][i], rounded[cy][i]) = inside_unit_disk(rounded[cx][i], rounded[cy][i], max);
                 }
-                texel.iter().for_each(|sample| push(*sample));
+            }
+            for (channel, rounded) in rounded.iter().enumerate() {
+                out.chunks_exact_mut(channels).zip(rounded).for_each(|(texel, v)| texel[channel] = narrow(*v));
             }
         }
+        samples
     }
 }
 

@@ -20,6 +20,8 @@ pub enum Origin {
         size: Size,
         /// "PNG", "JPEG", ...
         format: &'static str,
+        /// Whether the file can stand for level 0 byte for byte.
+        plain_png: bool,
     },
     /// Made from something else, which is said.
     Generated(String),
@@ -87,6 +89,9 @@ pub struct Material {
     pub(super) others: Vec<(usize, usize)>,
 }
 
+/// z of a two-channel normal whose x and y leave nothing for it.
+const LEAST_REBUILT_Z: f32 = 1e-3;
+
 /// Normals shorter than this have no direction: a twentieth of what 8-bit rounding does to a unit vector.
 pub(super) const SHORTEST_NORMAL: f32 = 0.1;
 
@@ -110,15 +115,19 @@ impl Texels for Material {
                 map.raster.read(channel, y, x, row);
             }
         }
-        let rebuild = source.channels[2].is_none();
         let (scale, offset) = if map.signed { (1.0, 0.0) } else { (2.0, -1.0) };
         let (strength, sign) = (self.normal_scale, self.normal_y.sign());
         let n = coverage.len();
         let (nx, ny, nz) = (&mut nx[..n], &mut ny[..n], &mut nz[..n]);
+        if source.channels[2].is_none() {
+            for i in 0..n {
+                let (vx, vy) = (scale * nx[i] + offset, scale * ny[i] + offset);
+                let z = (1.0 - vx * vx - vy * vy).max(LEAST_REBUILT_Z * LEAST_REBUILT_Z).sqrt();
+                nz[i] = (z - offset) / scale;
+            }
+        }
         for i in 0..n {
-            let (vx, vy) = (scale * nx[i] + offset, sign * (scale * ny[i] + offset));
-            let rebuilt = (1.0 - vx * vx - vy * vy).max(0.0).sqrt();
-            let vz = if rebuild { rebuilt } else { scale * nz[i] + offset };
+            let (vx, vy, vz) = (scale * nx[i] + offset, sign * (scale * ny[i] + offset), scale * nz[i] + offset);
             let length2 = vx * vx + vy * vy + vz * vz;
             // Comparisons with NaN are false, so this also refuses what is not a number.
             let usable = (vz > 0.0) & (length2 > SHORTEST_NORMAL * SHORTEST_NORMAL) & (length2 < f32::MAX);

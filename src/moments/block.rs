@@ -123,8 +123,8 @@ impl Block {
     }
 
     /// Fills what follows from the level-0 quantities of row `y`: weight, normal and perceptual roughness must be
-    /// there, and `tensors` holds xx xy yy in bent frames where the base lobes are anisotropic. The variances of a
-    /// single texel are 0.
+    /// there, and `tensors` holds xx xy yy in bent frames where the base lobes are anisotropic. Covariances are left
+    /// alone: those of a single texel are 0, and [`Block::halve`] knows it.
     pub fn finish_texels(&mut self, layout: &Layout, y: usize, source: &TexelRows) {
         let slot = |plane| layout.slots[plane];
         if let Some(s) = slot(NORMAL) {
@@ -141,11 +141,6 @@ impl Block {
                 let k = -1.0 / nz[i].max(STEEPEST_Z);
                 sx[i] = k * nx[i];
                 sy[i] = k * ny[i];
-            }
-        }
-        for plane in (NORMAL_COV..SLOPE).chain(SLOPE_COV..PERCEPTUAL) {
-            if let Some(s) = slot(plane) {
-                self.row_mut(s, y).fill(0.0);
             }
         }
         if let Some(s) = slot(PERCEPTUAL) {
@@ -178,6 +173,15 @@ impl Block {
                 let values = form(normal(i), base(i));
                 (a[i], b[i], c[i], d[i], e[i], f[i]) =
                     (values[0], values[1], values[2], values[3], values[4], values[5]);
+            }
+        }
+    }
+
+    /// The covariances of single texels, for merges that read them.
+    pub fn zero_covariances(&mut self, layout: &Layout, y: usize) {
+        for (slot, kind) in layout.kinds.iter().enumerate() {
+            if matches!(kind, Kind::Cov(..)) {
+                self.row_mut(slot, y).fill(0.0);
             }
         }
     }

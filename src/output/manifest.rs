@@ -111,7 +111,7 @@ fn inputs(material: &Material) -> Vec<Input> {
     let files = material.maps.iter().enumerate();
     files
         .filter_map(|(i, map)| match &map.origin {
-            Origin::File { path, sha256, size, format } => Some(Input {
+            Origin::File { path, sha256, size, format, .. } => Some(Input {
                 path: path.clone(),
                 sha256: sha256.clone(),
                 format,

@@ -8,10 +8,10 @@ use super::exr::{view, write_lobes, write_map, write_moments};
 use super::manifest::Manifest;
 use super::plan::{Content, Plan, Request};
 use super::{MANIFEST, Stage};
-use crate::codec::write_png;
+use crate::codec::{same_bytes, write_png};
 use crate::error::Result;
 use crate::fold::{Chain, Options};
-use crate::material::Material;
+use crate::material::{MapFile, Material, Origin};
 
 /// Writes all files of a plan and the manifest, side by side. Either all appear or none; `done` is called after each.
 ///
@@ -29,7 +29,10 @@ pub fn write(
     let stage = Stage::new(&request.folder)?;
     plan.outputs.par_iter().try_for_each(|output| {
         stage.write(&output.name, |out| match output.content {
-            Content::Level { map, level } => write_png(out, &view(material, chain, level).raster(map)),
+            Content::Level { map, level } => match level_0_file(&material.maps[map], level) {
+                Some(bytes) => out.write_all(&bytes),
+                None => write_png(out, &view(material, chain, level).raster(map)),
+            },
             Content::Levels { map } => write_map(out, material, chain, map, request.depth),
             Content::Lobes => write_lobes(out, material, chain),
             Content::Moments => write_moments(out, material, chain),
@@ -41,4 +44,14 @@ pub fn write(
     let text = serde_json::to_string_pretty(&manifest).expect("plain data");
     stage.write(MANIFEST, |out| out.write_all(text.as_bytes()).and_then(|()| out.write_all(b"\n")))?;
     stage.commit(MANIFEST)
+}
+
+/// The input file, where it can stand for level 0 as it is: a plain PNG of the material's size.
+fn level_0_file(map: &MapFile, level: usize) -> Option<Vec<u8>> {
+    match &map.origin {
+        Origin::File { path, sha256, size, plain_png: true, .. } if level == 0 && *size == map.raster.size() => {
+            same_bytes(path, sha256)
+        }
+        _ => None,
+    }
 }
