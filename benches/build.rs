@@ -2,14 +2,14 @@
 //! that times are CPU times and their ratio holds whatever the machine does.
 
 use std::hint::black_box;
-use std::io::{Cursor, sink};
+use std::io::sink;
 use std::path::Path;
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use mipfold::codec::{self, Depth, write_png};
 use mipfold::fold::{Options, chain};
 use mipfold::image::{Raster, Samples};
-use mipfold::material::{ChannelRef, Inputs, RoughnessInput, load};
+use mipfold::material::{ChannelRef, Inputs, LevelView, RoughnessInput, load};
 use mipfold::output::{Format, Plan, Request, write};
 use mipfold::sample::by_name;
 use ndarray::{Axis, Slice};
@@ -43,16 +43,6 @@ fn build(criterion: &mut Criterion) {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
     let mut group = criterion.benchmark_group("4096x4096 PNG pair, 1 thread");
     group.sample_size(10);
-    let RoughnessInput::Roughness(roughness) = &inputs.roughness else { unreachable!() };
-    let files = [inputs.normal.clone().unwrap(), roughness.path.clone()];
-    group.bench_function("decode both, encode both", |b| {
-        b.iter(|| {
-            for file in &files {
-                let decoded = codec::read(black_box(file)).unwrap();
-                write_png(sink(), &decoded.raster).unwrap();
-            }
-        });
-    });
     let options = Options::default();
     group.bench_function("read, fold, write all levels as PNG", |b| {
         let request = Request {
@@ -74,12 +64,24 @@ fn build(criterion: &mut Criterion) {
     let material = load(&inputs).unwrap();
     group.bench_function("fold alone", |b| b.iter(|| pool.install(|| chain(black_box(&material), &options))));
     let chain = chain(&material, &options);
-    group.bench_function("pack and encode level 1 of the normals", |b| {
-        let level = &chain.levels[0];
-        let view = mipfold::material::LevelView { material: &material, folded: Some((&level.lobes, &level.extras)) };
-        b.iter(|| write_png(Cursor::new(Vec::new()), &view.raster(0)).unwrap());
+    let view = |level: usize| {
+        let folded = level.checked_sub(1).map(|i| (&chain.levels[i].lobes, &chain.levels[i].extras));
+        LevelView { material: &material, folded }
+    };
+    let RoughnessInput::Roughness(roughness) = &inputs.roughness else { unreachable!() };
+    let files = [inputs.normal.clone().unwrap(), roughness.path.clone()];
+    let decode = || files.each_ref().map(|file| codec::read(black_box(file)).unwrap().raster);
+    group.bench_function("decode both, encode both", |b| {
+        b.iter(|| decode().iter().for_each(|raster| write_png(sink(), raster).unwrap()));
     });
-    group.bench_function("inspect", |b| b.iter(|| pool.install(|| material.inspect())));
+    let mips: Vec<_> = (1..=chain.levels.len()).flat_map(|k| [0, 1].map(|map| view(k).raster(map))).collect();
+    group.bench_function("decode both, encode all levels", |b| {
+        b.iter(|| {
+            decode().iter().for_each(|raster| write_png(sink(), raster).unwrap());
+            mips.iter().for_each(|raster| write_png(sink(), raster).unwrap());
+        });
+    });
+    group.bench_function("pack level 1", |b| b.iter(|| [0, 1].map(|map| black_box(view(1).raster(map).size()))));
 }
 
 criterion_group!(benches, build);

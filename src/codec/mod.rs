@@ -13,6 +13,7 @@
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
+use std::sync::Arc;
 
 use sha2::{Digest, Sha256};
 
@@ -46,18 +47,9 @@ pub struct Decoded {
     pub sha256: String,
     /// Length of the file in bytes.
     pub bytes_len: usize,
-    /// A PNG with the header that [`write_png`] would give it and without claims about colour: it can be passed on byte
-    /// for byte.
-    pub plain_png: bool,
-}
-
-/// The file, if it still is the one of this digest.
-pub fn same_bytes(path: &Path, sha256: &str) -> Option<Vec<u8>> {
-    std::fs::read(path).ok().filter(|bytes| digest(bytes) == sha256)
-}
-
-fn digest(bytes: &[u8]) -> String {
-    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
+    /// The file itself, if it is a PNG with the header that [`write_png`] would give it and without claims about
+    /// colour: it can be passed on byte for byte.
+    pub plain_png: Option<Arc<[u8]>>,
 }
 
 /// Reads a picture. The format is told by the content, whatever the file is called; TGA, which has no magic number,
@@ -77,8 +69,10 @@ pub fn read(path: &Path) -> Result<Decoded> {
         Format::Tiff => tiff::decode(&source),
         _ => pictures::decode(&source),
     })?;
-    let plain_png = format == Format::Png && png::is_plain(&bytes);
-    Ok(Decoded { raster, format: format.name(), notes, sha256: digest(&bytes), bytes_len: bytes.len(), plain_png })
+    let sha256 = Sha256::digest(&bytes).iter().map(|byte| format!("{byte:02x}")).collect();
+    let (bytes_len, plain) = (bytes.len(), format == Format::Png && png::is_plain(&bytes));
+    let plain_png = plain.then(|| bytes.into());
+    Ok(Decoded { raster, format: format.name(), notes, sha256, bytes_len, plain_png })
 }
 
 fn file(path: &Path) -> Result<Vec<u8>> {

@@ -269,7 +269,7 @@ impl Builder {
     fn add_height(&mut self, path: &Path, inputs: &Inputs) -> Result<()> {
         let mut decoded = codec::read(path)?;
         // What comes back is another picture.
-        decoded.plain_png = false;
+        decoded.plain_png = None;
         let scale = inputs.height_scale.unwrap_or(DEFAULT_HEIGHT_SCALE);
         let raster = height::normals(&decoded.raster, 0, scale, inputs.wrap);
         let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();

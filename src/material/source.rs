@@ -1,6 +1,7 @@
 //! A material: its maps, and its texels as a fold sees them.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use super::{NormalY, Role, Texels};
 use crate::image::{Raster, Size, Wrap};
@@ -20,8 +21,8 @@ pub enum Origin {
         size: Size,
         /// "PNG", "JPEG", ...
         format: &'static str,
-        /// Whether the file can stand for level 0 byte for byte.
-        plain_png: bool,
+        /// The file itself, if it can stand for level 0 byte for byte.
+        plain_png: Option<Arc<[u8]>>,
     },
     /// Made from something else, which is said.
     Generated(String),

@@ -8,7 +8,7 @@ use super::exr::{view, write_lobes, write_map, write_moments};
 use super::manifest::Manifest;
 use super::plan::{Content, Plan, Request};
 use super::{MANIFEST, Stage};
-use crate::codec::{same_bytes, write_png};
+use crate::codec::write_png;
 use crate::error::Result;
 use crate::fold::{Chain, Options};
 use crate::material::{MapFile, Material, Origin};
@@ -30,7 +30,7 @@ pub fn write(
     plan.outputs.par_iter().try_for_each(|output| {
         stage.write(&output.name, |out| match output.content {
             Content::Level { map, level } => match level_0_file(&material.maps[map], level) {
-                Some(bytes) => out.write_all(&bytes),
+                Some(bytes) => out.write_all(bytes),
                 None => write_png(out, &view(material, chain, level).raster(map)),
             },
             Content::Levels { map } => write_map(out, material, chain, map, request.depth),
@@ -47,11 +47,9 @@ pub fn write(
 }
 
 /// The input file, where it can stand for level 0 as it is: a plain PNG of the material's size.
-fn level_0_file(map: &MapFile, level: usize) -> Option<Vec<u8>> {
+fn level_0_file(map: &MapFile, level: usize) -> Option<&[u8]> {
     match &map.origin {
-        Origin::File { path, sha256, size, plain_png: true, .. } if level == 0 && *size == map.raster.size() => {
-            same_bytes(path, sha256)
-        }
+        Origin::File { size, plain_png, .. } if level == 0 && *size == map.raster.size() => plain_png.as_deref(),
         _ => None,
     }
 }
