@@ -41,7 +41,7 @@ impl Alpha {
         PerceptualRoughness(self.0.max(0.0).sqrt())
     }
 
-    /// Slope variance of a Beckmann lobe of this width, `alpha^2 / 2` (Heitz 2014, section 5).
+    /// Slope variance of a Beckmann lobe of this width, `alpha^2 / 2` (Heitz 2014).
     pub fn beckmann_variance(self) -> SlopeVariance {
         SlopeVariance(0.5 * self.squared())
     }

@@ -11,7 +11,7 @@ use crate::ndf::RoughnessTensor;
 /// covariance carried into that normal's tangent plane.
 pub const FOLD: Fold = Fold {
     name: "lean",
-    cite: "Olano & Baker 2010, eq. 5; Dupuy et al. 2013",
+    cite: "Olano & Baker 2010; Dupuy et al. 2013",
     about: "slope moments, alpha^2 + 2 covariance; anisotropic",
     needs: Needs::SLOPE_COV.and(Needs::TENSOR),
     isotropic: |row, out| {

@@ -11,7 +11,7 @@ use crate::ndf::RoughnessTensor;
 /// a footprint. A GGX lobe projected on its disk has the matrix `B = (R^-1 - I)^-1`; the fold is `B' = B + 2 C`.
 pub const FOLD: Fold = Fold {
     name: "projected",
-    cite: "Tokuyoshi & Kaplanyan 2021, section 4",
+    cite: "Tokuyoshi & Kaplanyan 2021",
     about: "covariance of projected normals, added in projected space; anisotropic",
     needs: Needs::NORMAL_COV.and(Needs::TENSOR),
     isotropic: |row, out| {

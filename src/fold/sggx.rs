@@ -10,7 +10,7 @@ use crate::ndf::RoughnessTensor;
 /// Linear in the squared projected area, though not in D: to first order it adds half of what LEAN adds.
 pub const FOLD: Fold = Fold {
     name: "sggx",
-    cite: "Heitz et al. 2015, section 4",
+    cite: "Heitz et al. 2015",
     about: "average of ellipsoid matrices; anisotropic",
     needs: Needs::NORMAL_COV.and(Needs::FORM).and(Needs::TENSOR),
     isotropic: |row, out| {

@@ -453,3 +453,45 @@ fn distinct_stems(maps: &mut [MapFile]) {
         maps[i].stem = stem;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn channels_are_named_after_a_colon() {
+        let parse = |text| {
+            let ChannelRef { path, channel } = ChannelRef::parse(text);
+            (path.display().to_string(), channel)
+        };
+        assert_eq!(parse("orm.png"), ("orm.png".into(), None));
+        assert_eq!(parse("orm.png:g"), ("orm.png".into(), Some(1)));
+        assert_eq!(parse("mask.tga:A"), ("mask.tga".into(), Some(3)));
+        assert_eq!(parse("x.exr:2"), ("x.exr".into(), Some(2)));
+        assert_eq!(parse("C:\\maps\\orm.png"), ("C:\\maps\\orm.png".into(), None));
+        assert_eq!(parse("odd:name.png"), ("odd:name.png".into(), None));
+    }
+
+    #[test]
+    fn gray_stored_as_colour_is_seen() {
+        let picture = |g: u8| {
+            Raster::new(Samples::U8(Array3::from_shape_fn((2, 2, 3), |(_, _, c)| if c == 1 { g } else { 100 })))
+        };
+        assert!(is_gray(&picture(101)) && !is_gray(&picture(110)));
+    }
+
+    #[test]
+    fn stems_are_kept_apart() {
+        let map = |stem: &str| MapFile {
+            stem: stem.into(),
+            origin: Origin::Generated(String::new()),
+            raster: Raster::new(Samples::U8(Array3::zeros((1, 1, 1)))),
+            bits: 8,
+            roles: vec![Role::Roughness],
+            signed: false,
+        };
+        let mut maps = [map("a"), map("a"), map("a_2"), map("a")];
+        distinct_stems(&mut maps);
+        assert_eq!(maps.map(|m| m.stem), ["a", "a_2", "a_2_2", "a_3"]);
+    }
+}

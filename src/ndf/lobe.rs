@@ -40,7 +40,7 @@ impl Lobe {
     }
 
     /// Smith's Lambda for a direction `v` (any length), `(sqrt(1 + v_p^T R v_p / v_z^2) - 1) / 2` in the lobe's
-    /// frame (Heitz 2014, eq. 72 and 86).
+    /// frame (Heitz 2014, eq. 72).
     pub fn lambda(&self, v: DVec3) -> f64 {
         let v = self.local(v);
         let (xx, xy, yy) = self.evaluated();
@@ -131,7 +131,7 @@ mod tests {
         }
     }
 
-    /// Weak white furnace (Heitz 2014, eq. 15): projected area towards v, divided by G1, is n.v.
+    /// Weak white furnace (Heitz 2014): projected area towards v, divided by G1, is n.v.
     #[test]
     fn smith_conserves_projected_area() {
         for lobe in lobes() {

@@ -7,7 +7,7 @@ use crate::roughness::Alpha;
 
 /// Symmetric 2x2 matrix with eigenvalues alpha_x^2 and alpha_y^2, in a tangent frame of the lobe: the form to
 /// average and store. For a GGX lobe, `D = 1 / (pi sqrt(det R) (p^T R^-1 p + m_z^2)^2)` with p the tangential
-/// part of m (Heitz 2014, eq. 84, written as a matrix).
+/// part of m (Heitz 2014, anisotropic GGX, written as a matrix).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct RoughnessTensor {
     /// Along the tangent.

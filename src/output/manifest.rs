@@ -125,7 +125,7 @@ fn inputs(material: &Material) -> Vec<Input> {
 
 fn maps(material: &Material, chain: &Chain, plan: &Plan, request: &Request) -> Vec<OutputMap> {
     let levels: Vec<Size> = (0..=chain.levels.len()).map(|k| chain.size.level(k)).collect();
-    let named = |names: &[&str]| names.iter().map(|n| ChannelRole { name: n.to_string(), role: "see name" }).collect();
+    let named = |names: &[&'static str]| names.iter().map(|n| ChannelRole { name: n.to_string(), role: n }).collect();
     let mut out: Vec<OutputMap> = Vec::new();
     for (map, file) in material.maps.iter().enumerate() {
         let names = |wanted: &dyn Fn(Content) -> bool| -> Vec<String> {

@@ -112,6 +112,9 @@ impl Plan {
                     return Err(Error::invalid(&path, "an output that is also an input", "another folder for -o"));
                 }
             }
+            if path.is_dir() {
+                return Err(Error::invalid(&path, "a folder", "a place for a file; choose another -o"));
+            }
             if !ours && path.exists() {
                 return Err(Error::invalid(
                     &path,
