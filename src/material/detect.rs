@@ -88,7 +88,7 @@ struct Meaning {
 
 fn meaning_of(stem: &str) -> Option<Meaning> {
     let words = words(stem);
-    let mut best: Option<((bool, usize, bool), std::ops::Range<usize>, Kind)> = None;
+    let mut best = None;
     for start in 0..words.len() {
         for end in start + 1..=(start + 4).min(words.len()) {
             let joined: String = words[start..end].iter().map(|(word, _)| word.as_str()).collect();
@@ -97,7 +97,7 @@ fn meaning_of(stem: &str) -> Option<Meaning> {
             // A single letter last, and only if it ends the name; then the longest run, of equals one that is ours,
             // of those the last.
             let rank = (!single, end - start, *kind != Ignored);
-            if (!single || end == words.len()) && best.as_ref().is_none_or(|(old, ..)| rank >= *old) {
+            if (!single || end == words.len()) && best.as_ref().is_none_or(|(old, _, _)| rank >= *old) {
                 best = Some((rank, start..end, *kind));
             }
         }

@@ -48,13 +48,8 @@ impl Layout {
     }
 
     /// Number of slots.
-    pub fn len(&self) -> usize {
+    pub fn slots(&self) -> usize {
         self.kinds.len()
-    }
-
-    /// Never: there is always a weight.
-    pub fn is_empty(&self) -> bool {
-        false
     }
 }
 
@@ -70,7 +65,7 @@ impl Block {
     /// Takes this size, keeping the allocation; the content is unspecified.
     pub fn resize(&mut self, layout: &Layout, width: usize, height: usize) {
         (self.width, self.height) = (width, height);
-        self.data.resize(layout.len() * width * height, 0.0);
+        self.data.resize(layout.slots() * width * height, 0.0);
     }
 
     /// Texels in a row.
@@ -189,12 +184,12 @@ impl Block {
     /// Takes the content of row `y` of another block.
     pub fn copy_row(&mut self, layout: &Layout, other: &Block, y: usize) {
         self.resize(layout, other.width, 1);
-        (0..layout.len()).for_each(|slot| self.row_mut(slot, 0).copy_from_slice(other.row(slot, y)));
+        (0..layout.slots()).for_each(|slot| self.row_mut(slot, 0).copy_from_slice(other.row(slot, y)));
     }
 
     /// Writes a block of the same height from column `x` on.
     pub fn copy_columns(&mut self, layout: &Layout, other: &Block, x: usize) {
-        for slot in 0..layout.len() {
+        for slot in 0..layout.slots() {
             for y in 0..other.height {
                 self.row_mut(slot, y)[x..x + other.width].copy_from_slice(other.row(slot, y));
             }
@@ -205,7 +200,7 @@ impl Block {
     pub fn stack(layout: &Layout, rows: &[Block]) -> Block {
         let mut out = Block::default();
         out.resize(layout, rows[0].width, rows.len());
-        for slot in 0..layout.len() {
+        for slot in 0..layout.slots() {
             rows.iter().enumerate().for_each(|(y, row)| out.row_mut(slot, y).copy_from_slice(row.row(slot, 0)));
         }
         out
@@ -306,7 +301,7 @@ pub struct Quads {
 
 impl Quads {
     fn resize(&mut self, layout: &Layout, width: usize) {
-        self.deviations.resize_with(layout.len(), Quad::default);
+        self.deviations.resize_with(layout.slots(), Quad::default);
         let quads = self.deviations.iter_mut().chain([&mut self.shares, &mut self.covariances]);
         quads.flatten().for_each(|row| row.resize(width, 0.0));
     }

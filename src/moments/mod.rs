@@ -112,7 +112,7 @@ impl Needs {
 
 /// Normals below this z count as this steep in the slope moments, so that one texel lying on its side cannot own
 /// a coarse level: at 0.2 (78.5 degrees) it adds at most `(1 / 0.2^2 - 1) / 4096 = 0.006` to the slope variance
-/// of 64x64 texels, where a z of 0.004 (one step of 8 bits) would add 16.
+/// of 64x64 texels, where a z of 1/255 (one step of 8 bits) would add 16.
 pub const STEEPEST_Z: f32 = 0.2;
 
 /// Weight of a texel whose normal is unusable: footprints with any other texel ignore it to 1 part in 10^12, and

@@ -92,7 +92,7 @@ fn base_lobe_row(material: &Material, channel: usize, y: usize, x: usize, row: &
 /// slopes, and raw second moments.
 pub const MOMENT_CHANNELS: [&str; 6] = ["b0_h", "b1_dhds", "b2_dhdt", "b3_dhds2", "b4_dhdt2", "b5_dh2dsdt"];
 
-/// Raw LEAN moments of all levels, 32 bit: half floats lose alpha 0.05 (their rounding is 2e-4 in the variance).
+/// Raw LEAN moments of all levels, 32 bit: a variance is the difference of two of them, which half floats lose.
 ///
 /// As `maketx` does, slopes are `-n.xy / n.z` of the normal **as stored**: for a DirectX map dh/dt runs down the rows,
 /// for an OpenGL map up.
