@@ -1,0 +1,196 @@
+//! The README says what is so: its table of folds, commands, files, manifest fields, snippet and links are checked.
+//!
+//! `BLESS=1 cargo test --test readme` writes the table of folds again.
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use assert_cmd::Command;
+use mipfold::codec::write_png;
+use mipfold::fold::FOLDS;
+use mipfold::image::{Raster, Samples};
+use ndarray::Array3;
+
+const README: &str = include_str!("../README.md");
+const FOLDS_BEGIN: &str = "<!-- folds: written by `BLESS=1 cargo test --test readme` -->\n";
+const FOLDS_END: &str = "<!-- /folds -->\n";
+
+fn root(path: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join(path)
+}
+
+/// The text between two others.
+fn between<'a>(text: &'a str, begin: &str, end: &str) -> &'a str {
+    let (_, rest) = text.split_once(begin).unwrap_or_else(|| panic!("no {begin:?} in the README"));
+    rest.split_once(end).unwrap_or_else(|| panic!("no {end:?} after {begin:?} in the README")).0
+}
+
+/// The cells of a Markdown table, without its two head lines.
+fn rows(table: &str) -> Vec<Vec<&str>> {
+    let lines = table.lines().filter(|line| line.starts_with('|')).skip(2);
+    lines.map(|line| line.trim_matches('|').split('|').map(str::trim).collect()).collect()
+}
+
+/// What stands in backticks.
+fn quoted(text: &str) -> impl Iterator<Item = &str> {
+    text.split('`').skip(1).step_by(2)
+}
+
+/// The code blocks of a language.
+fn blocks(language: &str) -> impl Iterator<Item = &'static str> {
+    let opening = format!("```{language}\n");
+    README.split("\n\n").filter_map(move |part| Some(part.strip_prefix(&opening)?.trim_end())).map(|block| {
+        assert!(block.ends_with("```"), "blocks of commands hold no empty line: {block}");
+        block.trim_end_matches("```")
+    })
+}
+
+/// The commands of the README, without comments.
+fn commands() -> Vec<&'static str> {
+    let lines = blocks("sh").flat_map(str::lines);
+    lines.map(|line| line.split(" #").next().unwrap_or_default().trim()).filter(|line| !line.is_empty()).collect()
+}
+
+#[test]
+fn table_of_folds_is_the_list_of_folds() {
+    let widths = |two: bool| if two { "one or two" } else { "one" };
+    let expected: Vec<[String; 4]> = FOLDS
+        .iter()
+        .map(|f| [format!("`{}`", f.name), f.about.into(), widths(f.anisotropic.is_some()).into(), f.cite.into()])
+        .collect();
+    let table = between(README, FOLDS_BEGIN, FOLDS_END);
+    if std::env::var_os("BLESS").is_some() {
+        let lines: String = expected.iter().map(|row| format!("| {} |\n", row.join(" | "))).collect();
+        let (before, _) = README.split_once(FOLDS_BEGIN).unwrap();
+        let (_, after) = README.split_once(FOLDS_END).unwrap();
+        let head = "| fold | what it does | widths | from |\n|---|---|---|---|\n";
+        fs::write(root("README.md"), [before, FOLDS_BEGIN, head, &lines, FOLDS_END, after].concat()).unwrap();
+        return;
+    }
+    assert_eq!(rows(table), expected, "BLESS=1 cargo test --test readme writes the table again");
+}
+
+/// A picture of one texel colour in 16 x 16: flat normals, or mid roughness with as many channels as a map may need.
+fn picture(path: &Path) {
+    let normal = path.to_string_lossy().contains("normal");
+    let texel: &[u8] = if normal { &[128, 128, 255] } else { &[255, 128, 0, 128] };
+    let samples = Array3::from_shape_fn((16, 16, texel.len()), |(_, _, c)| texel[c]);
+    fs::create_dir_all(path.parent().unwrap()).unwrap();
+    write_png(fs::File::create(path).unwrap(), &Raster::new(Samples::U8(samples))).unwrap();
+}
+
+/// Runs `mipfold` with these arguments, after the inputs that they name were made.
+fn run(arguments: &[&str], folder: &Path) {
+    let mut values = arguments.iter().copied().skip_while(|a| *a != "build").skip(1).peekable();
+    while let Some(argument) = values.next() {
+        match argument {
+            "-o" => drop(values.next()),
+            _ if argument.contains(".png") => picture(&folder.join(argument.split(':').next().unwrap())),
+            _ if argument.contains('/') => {
+                picture(&folder.join(argument).join("wall_normal.png"));
+                picture(&folder.join(argument).join("wall_orm.png"));
+            }
+            _ => {}
+        }
+    }
+    let quick: &[&str] = if arguments.contains(&"demo") { &["--size", "16", "--dry-run"] } else { &[] };
+    let mipfold = Path::new(env!("CARGO_BIN_EXE_mipfold"));
+    Command::new(mipfold).args(arguments).args(quick).current_dir(folder).assert().success();
+}
+
+#[test]
+fn commands_work() {
+    let commands = commands();
+    let mut builds = 0;
+    for command in &commands {
+        let words: Vec<&str> = command.split_whitespace().collect();
+        match words[..] {
+            ["cargo", "run", "--release", "--", ref arguments @ ..] => {
+                run(arguments, tempfile::tempdir().unwrap().path());
+            }
+            ["mipfold", ref arguments @ ..] | ["/usr/bin/time", "-v", "target/release/mipfold", ref arguments @ ..] => {
+                run(arguments, tempfile::tempdir().unwrap().path());
+                builds += 1;
+            }
+            ["cargo", "run", "--example", example, ..] => {
+                assert!(root(&format!("examples/{example}.rs")).is_file(), "{command}");
+            }
+            ["cargo", "test"] | ["cargo", "bench"] | ["cargo", "build", "--release"] => {}
+            ["cargo", "install", "--path", "."] => {}
+            _ => panic!("a command that this test does not know: {command}"),
+        }
+    }
+    assert!(commands.starts_with(&["cargo run --release -- demo", "cargo test"]), "{commands:?}");
+    assert!(builds > 10, "{commands:?}");
+}
+
+/// `demo --list` and the like in running text.
+#[test]
+fn options_in_the_text_exist() {
+    let help: String = [["build", "--help"], ["demo", "--help"]]
+        .map(|arguments| {
+            let output = Command::new(env!("CARGO_BIN_EXE_mipfold")).args(arguments).output().unwrap();
+            String::from_utf8(output.stdout).unwrap()
+        })
+        .concat();
+    let text: String = README.split("```").step_by(2).collect();
+    for code in quoted(&text).filter(|code| !["cargo", "maketx", "ktx", "BLESS"].iter().any(|p| code.starts_with(p))) {
+        for option in code.split_whitespace().filter(|word| word.starts_with("--")) {
+            assert!(help.contains(option), "`{code}`: {option} is not in the help");
+        }
+    }
+}
+
+#[test]
+fn files_and_manifest_fields_are_as_listed() {
+    let folder = tempfile::tempdir().unwrap();
+    let line =
+        "build --normal wall_normal.png --roughness 0.3 --name wall --lobes aniso --format png,exr --moments -o out";
+    run(&line.split(' ').collect::<Vec<_>>(), folder.path());
+    let out = folder.path().join("out");
+
+    let files = rows(between(README, "\n## What comes out\n", "\nAll files of a material"));
+    let any_level = |name: &str| name.replace(|c: char| c.is_ascii_digit(), "N");
+    let patterns: Vec<String> = files.iter().flat_map(|row| quoted(row[0])).map(any_level).collect();
+    let mut found = BTreeSet::new();
+    for entry in fs::read_dir(&out).unwrap() {
+        let name = any_level(entry.unwrap().file_name().to_str().unwrap());
+        let is = |pattern: &&String| {
+            ["wall_normal", "anisotropy", "roughness"].iter().any(|stem| pattern.replace("FILE", stem) == name)
+                || pattern.replace("NAME", "wall") == name
+        };
+        found.extend(patterns.iter().filter(is));
+        assert!(patterns.iter().any(|p| is(&p)), "{name} is written but not listed");
+    }
+    // Normals derived from heights do not appear in this build.
+    let missing: Vec<_> = patterns.iter().filter(|p| !found.contains(p) && !p.contains("_normal_")).collect();
+    assert!(missing.is_empty(), "{missing:?} are listed but not written");
+
+    let manifest: serde_json::Value = serde_json::from_slice(&fs::read(out.join("manifest.json")).unwrap()).unwrap();
+    let fields: BTreeSet<&str> = manifest.as_object().unwrap().keys().map(String::as_str).collect();
+    let table = rows(between(README, "**`manifest.json`** holds\n", "\nThere are no dates"));
+    let listed: BTreeSet<&str> = table.iter().flat_map(|row| quoted(row[0])).collect();
+    assert_eq!(fields, listed);
+}
+
+#[test]
+fn snippet_is_that_of_the_crate_documentation() {
+    let snippet = between(README, "```rust,no_run\n", "```");
+    let documentation: String = include_str!("../src/lib.rs")
+        .lines()
+        .filter_map(|line| line.strip_prefix("//!"))
+        .map(|line| line.strip_prefix(' ').unwrap_or(line))
+        .filter(|line| !line.starts_with("# "))
+        .flat_map(|line| [line, "\n"])
+        .collect();
+    assert!(documentation.contains(snippet), "the crate documentation has another one:\n{documentation}");
+}
+
+#[test]
+fn links_lead_somewhere() {
+    let targets = README.split("](").skip(1).filter_map(|rest| rest.split(')').next());
+    for target in targets.filter(|target| !target.starts_with("http")) {
+        assert!(root(target).exists(), "{target}");
+    }
+}
