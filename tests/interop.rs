@@ -161,7 +161,10 @@ fn moments(python: &Path, normal: &Path) -> (Foreign, [Foreign; 2]) {
     script(python, "bumpslopes.py", &[normal, &decoded, &slopes]);
     let ours = ["opengl", "directx"].map(|y| {
         let out = folder.path().join(y);
-        build(["--normal".as_ref(), decoded.as_os_str(), "--moments".as_ref(), "--normal-y".as_ref(), y.as_ref()], &out);
+        build(
+            ["--normal".as_ref(), decoded.as_os_str(), "--moments".as_ref(), "--normal-y".as_ref(), y.as_ref()],
+            &out,
+        );
         Foreign::read(python, &out.join("map_moments.exr"))
     });
     (Foreign::read(python, &slopes), ours)
