@@ -7,6 +7,8 @@
 //! | `MIPFOLD_NO_SKIP` | if set, a test fails where it lacks one of these, and is not skipped |
 #![allow(dead_code, clippy::print_stderr)]
 
+pub mod desk;
+
 use std::path::{Path, PathBuf};
 use std::process::Output;
 
