@@ -121,7 +121,7 @@ fn one_ambiguous_set_does_not_stop_the_others() {
     }
     let (code, stderr) = desk.run("build @sets -o @out");
     assert!(code == Some(2) && stderr.lines().count() == 1 && stderr.contains("x_nrm.png"), "{stderr}");
-    assert!(!png_levels(&desk.at("out/a"), "normal").is_empty() || !png_levels(&desk.at("out"), "normal").is_empty());
+    assert!(desk.at("out/a/manifest.json").exists() || desk.at("out/manifest.json").exists());
 }
 
 /// `--name` means one material.
