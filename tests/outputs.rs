@@ -1,0 +1,151 @@
+//! Where files may be written, and what happens to those that are there.
+
+mod common;
+
+use std::process::{Command, Stdio};
+
+use common::desk::Desk;
+use common::{bump, bumps, exr32, mipfold, names, png_levels};
+
+#[test]
+fn places_that_cannot_be_written_are_refused() {
+    let desk = Desk::new();
+    desk.file("file", b"x");
+    desk.refuses("--normal @n.png -o @file/below", "@file/below");
+    desk.refuses("--normal @n.png -o @file", "@file");
+    // The very file that is read, forced or not.
+    exr32(&desk.at("w.exr"), (8, 8), &["R", "G", "B"], |x, y, c| bump(x, y, 8)[c]);
+    for force in ["", " --force"] {
+        let message = desk.refuses(&format!("--normal @w.exr --format exr -o @{force}"), "@w.exr");
+        assert!(message.contains("also an input"), "{message}");
+    }
+}
+
+#[test]
+fn a_strangers_files_are_not_replaced_unless_forced() {
+    let desk = Desk::new();
+    std::fs::create_dir(desk.at("out")).unwrap();
+    desk.file("out/n_mip2.png", b"mine");
+    let message = desk.refuses("--normal @n.png -o @out", "@out/n_mip2.png");
+    assert!(message.contains("--force"), "{message}");
+    assert_eq!(std::fs::read(desk.at("out/n_mip2.png")).unwrap(), b"mine");
+    desk.warns("--normal @n.png -o @out --force", &[]);
+    assert_eq!(png_levels(&desk.at("out"), "n").len(), 7);
+    // Now they are ours.
+    desk.warns("--normal @n.png -o @out --fold lean", &[]);
+}
+
+#[test]
+#[ignore = "known fault: any manifest.json makes the folder ours"]
+fn a_strangers_manifest_does_not_open_the_folder() {
+    let desk = Desk::new();
+    std::fs::create_dir(desk.at("web")).unwrap();
+    desk.file("web/manifest.json", b"{\"name\": \"an app\", \"icons\": []}");
+    desk.refuses("--normal @n.png -o @web", "@web/manifest.json");
+}
+
+#[test]
+fn a_dry_run_writes_nothing() {
+    let desk = Desk::new();
+    let before = desk.tree();
+    desk.warns("--normal @n.png --roughness @r.png --dry-run -o @out", &[]);
+    assert_eq!(desk.tree(), before);
+}
+
+/// Five channels fit an EXR file, but no PNG.
+#[test]
+fn what_the_container_cannot_hold_is_refused() {
+    let desk = Desk::new();
+    let texel = |x, y, c: usize| bump(x, y, 8).get(c).copied().unwrap_or(0.25);
+    exr32(&desk.at("five.exr"), (8, 8), &["X", "Y", "Z", "s", "t"], texel);
+    desk.refuses("--normal @five.exr -o @out", "five");
+    desk.warns("--normal @five.exr --format exr -o @out", &[]);
+}
+
+/// Renaming is the last step: if one file cannot have its name, none may have got its own.
+#[test]
+#[ignore = "known fault: commit renames one after another and keeps what it has renamed"]
+fn a_folder_in_the_way_leaves_nothing_half_done() {
+    let desk = Desk::new();
+    for (out, name) in [("a", "n_mip3.png"), ("b", "manifest.json")] {
+        std::fs::create_dir_all(desk.at(out).join(name)).unwrap();
+        desk.refuses(&format!("--normal @n.png --force -o @{out}"), &format!("@{out}/{name}"));
+    }
+}
+
+/// A map whose outputs would carry the same name as the lobes.
+#[test]
+#[ignore = "known fault: foo_lobes.exr is written twice, the map is lost"]
+fn no_two_outputs_share_a_name() {
+    let desk = Desk::new();
+    std::fs::rename(desk.at("r.png"), desk.at("n_lobes.png")).unwrap();
+    let out = desk.build("out", "--normal @n.png --roughness @n_lobes.png --format exr");
+    // Two maps, the lobes, the manifest.
+    assert_eq!(names(&out).len(), 4, "{:?}", names(&out));
+}
+
+/// Outputs beside the inputs are not taken for inputs by the next build.
+#[test]
+#[ignore = "known fault: the levels of the first build become materials of the second"]
+fn building_a_folder_into_itself_twice_changes_nothing() {
+    let desk = Desk::empty();
+    std::fs::create_dir(desk.at("set")).unwrap();
+    bumps(&desk.at("set/wall_normal.png"), (16, 16));
+    desk.build("set", "@set");
+    let first = desk.tree();
+    desk.build("set", "@set");
+    assert_eq!(desk.tree(), first);
+}
+
+/// The demo writes by the same rules as the build.
+#[test]
+#[ignore = "known fault: the sample's own maps and picture are written without any check"]
+fn the_demo_minds_dry_runs_and_strangers_files() {
+    let desk = Desk::empty();
+    assert_eq!(desk.run("demo --size 16 --dry-run -o @demo").0, Some(0));
+    assert_eq!(desk.tree(), []);
+    std::fs::create_dir_all(desk.at("demo/hammered-metal")).unwrap();
+    desk.file("demo/hammered-metal/normal.png", b"mine");
+    assert_eq!(desk.run("demo --size 16 -o @demo").0, Some(2));
+    assert_eq!(std::fs::read(desk.at("demo/hammered-metal/normal.png")).unwrap(), b"mine");
+}
+
+/// Two candidates for one role are an error of that set alone.
+#[test]
+#[ignore = "known fault: the first set that cannot be read from its names ends the whole build"]
+fn one_ambiguous_set_does_not_stop_the_others() {
+    let desk = Desk::empty();
+    ["sets/a", "sets/b"].iter().for_each(|folder| std::fs::create_dir_all(desk.at(folder)).unwrap());
+    for map in ["a/normal", "b/x_normal", "b/x_nrm"] {
+        bumps(&desk.at(&format!("sets/{map}.png")), (8, 8));
+    }
+    let (code, stderr) = desk.run("build @sets -o @out");
+    assert!(code == Some(2) && stderr.lines().count() == 1 && stderr.contains("x_nrm.png"), "{stderr}");
+    assert!(desk.at("out/a/manifest.json").exists() || desk.at("out/manifest.json").exists());
+}
+
+/// `--name` means one material.
+#[test]
+#[ignore = "known fault: a name for several materials is ignored in silence"]
+fn a_name_for_several_materials_is_refused() {
+    let desk = Desk::empty();
+    std::fs::create_dir(desk.at("sets")).unwrap();
+    ["a", "b"].iter().for_each(|name| drop(bumps(&desk.at(&format!("sets/{name}_normal.png")), (8, 8))));
+    desk.refuses("@sets --name one -o @out", "--name");
+}
+
+/// A reader that has gone (`mipfold ... | head -1`) and a full disk behind `>` are no reason to panic.
+#[cfg(target_os = "linux")]
+#[test]
+#[ignore = "known fault: println! panics"]
+fn a_standard_output_that_fails_is_no_panic() {
+    let desk = Desk::new();
+    for args in ["demo --list", "build --normal @n.png -o @out", "build --normal @n.png -o @out --json"] {
+        let full = std::fs::File::options().write(true).open("/dev/full").unwrap();
+        let mut command = Command::new(mipfold().get_program());
+        let run = command.args(desk.args(args)).stdout(Stdio::from(full)).output().unwrap();
+        let stderr = String::from_utf8_lossy(&run.stderr);
+        assert!(!stderr.contains("panicked"), "{args}: {stderr}");
+        assert!(matches!(run.status.code(), Some(0 | 2)), "{args}: {:?}", run.status);
+    }
+}
