@@ -339,7 +339,6 @@ fn sixteen_bit_heights_become_sixteen_bit_normals() {
 
 /// The usual names come first, in their usual order, whatever else a file has.
 #[test]
-#[ignore = "known fault: with any other channel in the layer, R G B are read as B G R"]
 fn further_exr_channels_do_not_reorder_the_usual_ones() {
     let desk = Desk::empty();
     let texel = |x, y, c: usize| bump(x, y, 16).get(c).copied().unwrap_or(0.25);
@@ -354,7 +353,6 @@ fn further_exr_channels_do_not_reorder_the_usual_ones() {
 
 /// A colour picture with height in alpha is not a height map, and a colour map is nobody's roughness.
 #[test]
-#[ignore = "known fault: `height` outranks the longer `albedo_height`"]
 fn a_packed_colour_map_is_not_a_height_map() {
     let desk = Desk::empty();
     std::fs::create_dir(desk.at("set")).unwrap();

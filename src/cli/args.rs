@@ -145,9 +145,10 @@ pub struct ReadingArgs {
 pub struct FoldArgs {
     #[arg(long, value_name = "NAME", default_value = DEFAULT_FOLD.name, value_parser = fold_name, help = "How a footprint becomes one lobe; the names are below")]
     pub fold: &'static Fold,
-    /// Widths of a lobe: iso (drop-in roughness) or aniso (roughness and an anisotropy map)
-    #[arg(long, value_enum, default_value = "iso")]
-    pub lobes: LobesArg,
+    /// Widths of a lobe: iso (drop-in roughness) or aniso (roughness and an anisotropy map) [default: iso, or aniso if
+    /// there is an anisotropy map]
+    #[arg(long, value_enum)]
+    pub lobes: Option<LobesArg>,
     /// Share of the lost bumps that is folded in: 0 none, 1 all
     #[arg(long, value_name = "S", default_value = "1", value_parser = not_negative)]
     pub strength: f32,
@@ -162,7 +163,7 @@ pub struct FoldArgs {
 #[derive(Args)]
 pub struct DemoArgs {
     /// Sample to make; --list names them
-    #[arg(default_value = "hammered-metal", value_name = "SAMPLE")]
+    #[arg(default_value = "woven-cloth", value_name = "SAMPLE")]
     pub sample: String,
     /// Make every sample
     #[arg(long)]
@@ -207,8 +208,13 @@ impl From<WrapArg> for Wrap {
 }
 
 impl FoldArgs {
+    /// As asked for, if it was.
+    pub fn form(&self) -> Option<Form> {
+        self.lobes.map(|lobes| if lobes == LobesArg::Aniso { Form::Anisotropic } else { Form::Isotropic })
+    }
+
     pub fn options(&self, slope_moments: bool) -> crate::error::Result<Options> {
-        let form = if self.lobes == LobesArg::Aniso { Form::Anisotropic } else { Form::Isotropic };
+        let form = self.form().unwrap_or(Form::Isotropic);
         if form == Form::Anisotropic && self.fold.anisotropic.is_none() {
             let names: Vec<_> = FOLDS.iter().filter(|f| f.anisotropic.is_some()).map(|f| f.name).collect();
             return Err(crate::Error::invalid_option(

@@ -5,29 +5,30 @@ use std::path::Path;
 use rayon::prelude::*;
 
 use super::args::{BuildArgs, Global, MapArgs};
-use super::job;
+use super::job::Job;
 use super::report::Report;
+use crate::codec;
 use crate::error::{Error, Result};
-use crate::material::{ChannelRef, Inputs, RoughnessInput, detect};
+use crate::material::{ChannelRef, Inputs, NormalY, RoughnessInput, detect};
 use crate::output::{Request, safe_name};
 use crate::roughness::PerceptualRoughness;
 
 pub fn run(args: &BuildArgs, global: &Global, report: &mut Report) -> Result<()> {
     let options = args.folding.options(args.moments)?;
-    let mut sets = if args.inputs.is_empty() { vec![single(&args.maps)?] } else { folders(args)? };
-    for set in &mut sets {
-        set.normal_z = args.reading.normal_z;
-        set.normal_scale = Some(args.reading.normal_scale);
-        set.height_scale = args.reading.height_scale;
-        set.wrap = args.reading.wrap.into();
+    let found = if args.inputs.is_empty() { vec![single(&args.maps, args.reading.normal_y)] } else { folders(args)? };
+    let alone = found.len() == 1;
+    if args.maps.name.is_some() && !alone {
+        let expected = "one material; several are named after their files";
+        return Err(Error::invalid_option("--name", format!("{} materials", found.len()), expected));
     }
-    if args.inputs.is_empty() {
-        sets[0].normal_y = args.reading.normal_y;
+    let mut sets = Vec::new();
+    for set in found {
+        match set {
+            Ok(set) => sets.push(read_as(set, args)),
+            Err(error) => report.error(&error),
+        }
     }
-    if let (Some(name), [only]) = (&args.maps.name, &mut sets[..]) {
-        only.name.clone_from(name);
-    }
-    let folders = output_folders(&args.output, &sets);
+    let folders = if alone { vec![args.output.clone()] } else { output_folders(&args.output, &sets) };
     let jobs: Vec<_> = sets.iter().zip(folders).collect();
     let results: Vec<_> = jobs
         .par_iter()
@@ -40,7 +41,9 @@ pub fn run(args: &BuildArgs, global: &Global, report: &mut Report) -> Result<()>
                 moments: args.moments,
                 force: global.force,
             };
-            job::build(inputs, &options, &request, global.dry_run, &report.progress).map(|done| done.built)
+            let job =
+                Job { inputs, read: &codec::read, options: &options, form: args.folding.form(), request: &request };
+            job.run(global.dry_run, &report.progress).map(|done| done.built)
         })
         .collect();
     for result in results {
@@ -52,8 +55,20 @@ pub fn run(args: &BuildArgs, global: &Global, report: &mut Report) -> Result<()>
     Ok(())
 }
 
+/// The options that say how all maps are read.
+fn read_as(set: Inputs, args: &BuildArgs) -> Inputs {
+    Inputs {
+        name: args.maps.name.clone().unwrap_or(set.name),
+        normal_z: args.reading.normal_z,
+        normal_scale: Some(args.reading.normal_scale),
+        height_scale: args.reading.height_scale,
+        wrap: args.reading.wrap.into(),
+        ..set
+    }
+}
+
 /// A material from flags.
-fn single(maps: &MapArgs) -> Result<Inputs> {
+fn single(maps: &MapArgs, normal_y: NormalY) -> Result<Inputs> {
     let orm = maps.orm.as_ref().map(|path| ChannelRef { path: path.clone(), channel: Some(1) });
     let roughness = match (&maps.roughness, &maps.gloss, orm) {
         (Some(text), _, _) => roughness(text)?,
@@ -74,6 +89,7 @@ fn single(maps: &MapArgs) -> Result<Inputs> {
         roughness,
         anisotropy: maps.anisotropy.clone(),
         height: maps.height.clone(),
+        normal_y,
         ..Inputs::default()
     })
 }
@@ -87,7 +103,7 @@ fn roughness(text: &str) -> Result<RoughnessInput> {
     }
 }
 
-fn folders(args: &BuildArgs) -> Result<Vec<Inputs>> {
+fn folders(args: &BuildArgs) -> Result<Vec<Result<Inputs>>> {
     let mut sets = Vec::new();
     for input in &args.inputs {
         let extension = input.extension().unwrap_or_default().to_string_lossy().to_lowercase();
@@ -104,17 +120,15 @@ fn folders(args: &BuildArgs) -> Result<Vec<Inputs>> {
     Ok(sets)
 }
 
-/// One material writes into the folder itself, several into one each, named apart.
+/// A folder for each material, named apart.
 fn output_folders(output: &Path, sets: &[Inputs]) -> Vec<std::path::PathBuf> {
-    if sets.len() == 1 {
-        return vec![output.to_owned()];
-    }
     let mut taken: Vec<String> = Vec::new();
     for set in sets {
         let base = safe_name(&set.name);
         let mut name = base.clone();
         let mut n = 2;
-        while taken.contains(&name) {
+        // File systems that ignore case exist.
+        while taken.iter().any(|other| other.to_lowercase() == name.to_lowercase()) {
             name = format!("{base}_{n}");
             n += 1;
         }

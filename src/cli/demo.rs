@@ -3,15 +3,15 @@
 use std::path::Path;
 
 use super::args::{DemoArgs, Global};
-use super::job::{self, Done};
+use super::job::{Done, Job};
 use super::report::Report;
-use crate::codec::write_png;
+use crate::codec::{decode, write_png};
 use crate::error::{Error, Result};
 use crate::fold::{Fold, Options, base_lobes, chain};
 use crate::image::Raster;
-use crate::material::{ChannelRef, Inputs, Material, RoughnessInput};
+use crate::material::{ChannelRef, Inputs, Material, RoughnessInput, built_files};
 use crate::ndf::Lobes;
-use crate::output::{Format, Request, Stage};
+use crate::output::{Format, Request, Stage, may_write};
 use crate::render::{DISTANCES, Scene, distance_strip};
 use crate::sample::{SAMPLES, Sample, by_name};
 
@@ -40,13 +40,25 @@ pub fn run(args: &DemoArgs, global: &Global, report: &mut Report) -> Result<()> 
 fn one(sample: &Sample, args: &DemoArgs, options: &Options, global: &Global, report: &mut Report) -> Result<()> {
     report.progress.set_message(format!("making {}", sample.name));
     let folder = args.output.join(sample.name);
+    // A folder whose chain is ours is ours.
+    let force = global.force || built_files(&folder.join("mips")).is_some();
+    may_write(&folder, ["normal.png", "orm.png", "distance.png"], force)?;
     let maps = (sample.make)(usize::from(args.size), args.seed);
-    write_pictures(&folder, &[("normal.png", &maps.normal), ("orm.png", &maps.orm)])?;
+    if !global.dry_run {
+        write_pictures(&folder, &[("normal.png", &maps.normal), ("orm.png", &maps.orm)])?;
+    }
     let inputs = Inputs {
         name: sample.name.into(),
         normal: Some(folder.join("normal.png")),
         roughness: RoughnessInput::Roughness(ChannelRef { path: folder.join("orm.png"), channel: Some(1) }),
         ..Inputs::default()
+    };
+    // A dry run has written nothing to read.
+    let read = |path: &Path| {
+        let raster = if path.ends_with("normal.png") { &maps.normal } else { &maps.orm };
+        let mut bytes = Vec::new();
+        write_png(&mut bytes, raster).map_err(|e| Error::io(path, e))?;
+        decode(path, bytes)
     };
     let request = Request {
         folder: folder.join("mips"),
@@ -55,20 +67,18 @@ fn one(sample: &Sample, args: &DemoArgs, options: &Options, global: &Global, rep
         moments: false,
         force: global.force,
     };
-    let Done { material, chain: folded, built } =
-        job::build(&inputs, options, &request, global.dry_run, &report.progress)?;
+    let job = Job { inputs: &inputs, read: &read, options, form: args.folding.form(), request: &request };
+    let Done { material, options, chain: folded, built } = job.run(global.dry_run, &report.progress)?;
     report.built(built);
     if let Some(folded) = folded {
         report.progress.set_message("drawing near to far");
-        let average = Options { fold: Fold::by_name("average")?, ..*options };
-        let plain = levels(&material, chain(&material, &average), options);
-        let folded = levels(&material, folded, options);
+        let average = Options { fold: Fold::by_name("average")?, ..options };
+        let plain = levels(&material, chain(&material, &average), &options);
+        let folded = levels(&material, folded, &options);
         let strip = distance_strip(&Scene::studio(), &[("plain mips", &plain), ("folded", &folded)], CELL, &DISTANCES);
         write_pictures(&folder, &[("distance.png", &strip)])?;
-        report.say(&format!(
-            "  from near to far, plain mips, folded and truth: {}",
-            folder.join("distance.png").display()
-        ));
+        let path = folder.join("distance.png");
+        report.say(&format!("  from near to far, plain mips, folded and truth: {}", path.display()));
     }
     Ok(())
 }

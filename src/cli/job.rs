@@ -5,47 +5,87 @@ use indicatif::ProgressBar;
 use super::report::Built;
 use crate::error::Result;
 use crate::fold::{Chain, Options, chain};
-use crate::material::{Inputs, Material, load};
+use crate::material::{Inputs, Material, ReadPicture, Texels, load_with};
 use crate::ndf::Form;
 use crate::output::{MANIFEST, Plan, Request, write};
+
+/// What to build, and how.
+pub struct Job<'a> {
+    pub inputs: &'a Inputs,
+    pub read: ReadPicture<'a>,
+    pub options: &'a Options,
+    /// One width or two; if it was not said, two where the inputs are anisotropic.
+    pub form: Option<Form>,
+    pub request: &'a Request,
+}
 
 /// A material after its build.
 pub struct Done {
     pub material: Material,
+    /// As it was folded.
+    pub options: Options,
     /// Absent in a dry run.
     pub chain: Option<Chain>,
     pub built: Built,
 }
 
-/// Reads, folds and writes one material.
-pub fn build(inputs: &Inputs, options: &Options, request: &Request, dry_run: bool, bar: &ProgressBar) -> Result<Done> {
-    bar.set_message(format!("reading {}", inputs.name));
-    let mut material = load(inputs)?;
-    if options.form == Form::Anisotropic {
-        material.ensure_anisotropy_map();
+impl Job<'_> {
+    /// Reads, folds and writes the material; a dry run stops before folding.
+    pub fn run(&self, dry_run: bool, bar: &ProgressBar) -> Result<Done> {
+        let (name, request) = (&self.inputs.name, self.request);
+        bar.set_message(format!("reading {name}"));
+        let mut material = load_with(self.inputs, self.read)?;
+        let options = Options { form: self.choose_form(&mut material), ..*self.options };
+        if options.form == Form::Anisotropic {
+            material.ensure_anisotropy_map();
+        }
+        let plan = Plan::new(&material, request);
+        plan.check(&material, request)?;
+        let files = plan.outputs.iter().map(|o| o.name.clone()).chain([MANIFEST.to_owned()]).collect();
+        let built = Built {
+            name: material.name.clone(),
+            folder: request.folder.clone(),
+            width: material.size.width,
+            height: material.size.height,
+            levels: material.size.level_count(),
+            fold: options.fold.name,
+            files,
+            notes: material.notes.clone(),
+            warnings: material.warnings.clone(),
+        };
+        if dry_run {
+            return Ok(Done { material, options, chain: None, built });
+        }
+        bar.inc_length(plan.outputs.len() as u64 + 1);
+        bar.set_message(format!("folding {name}"));
+        let chain = chain(&material, &options);
+        bar.inc(1);
+        bar.set_message(format!("writing {name}"));
+        write(&material, &chain, &options, &plan, request, &|| bar.inc(1))?;
+        Ok(Done { material, options, chain: Some(chain), built })
     }
-    let plan = Plan::new(&material, request);
-    plan.check(&material, request)?;
-    let mut built = Built {
-        name: material.name.clone(),
-        folder: request.folder.clone(),
-        width: material.size.width,
-        height: material.size.height,
-        levels: material.size.level_count(),
-        fold: options.fold.name,
-        files: plan.outputs.iter().map(|o| o.name.clone()).collect(),
-        notes: material.notes.clone(),
-        warnings: material.warnings.clone(),
-    };
-    built.files.push(MANIFEST.into());
-    if dry_run {
-        return Ok(Done { material, chain: None, built });
+
+    /// Two widths, unless asked otherwise, for a material that brings anisotropy: one width would lose it.
+    fn choose_form(&self, material: &mut Material) -> Form {
+        let defined = self.options.fold.anisotropic.is_some();
+        match self.form {
+            Some(Form::Isotropic) if material.is_anisotropic() => {
+                material.warnings.push("one width loses the anisotropy map from level 1 on; see --lobes aniso".into());
+                Form::Isotropic
+            }
+            Some(form) => form,
+            None if material.is_anisotropic() && defined => {
+                material.notes.push("folded to two widths, for there is an anisotropy map; see --lobes".into());
+                Form::Anisotropic
+            }
+            None => {
+                if material.is_anisotropic() {
+                    let name = self.options.fold.name;
+                    let warning = format!("fold {name} has one width and loses the anisotropy map from level 1 on");
+                    material.warnings.push(warning);
+                }
+                Form::Isotropic
+            }
+        }
     }
-    bar.inc_length(plan.outputs.len() as u64 + 1);
-    bar.set_message(format!("folding {}", inputs.name));
-    let chain = chain(&material, options);
-    bar.inc(1);
-    bar.set_message(format!("writing {}", inputs.name));
-    write(&material, &chain, options, &plan, request, &|| bar.inc(1))?;
-    Ok(Done { material, chain: Some(chain), built })
 }

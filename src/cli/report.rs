@@ -1,6 +1,7 @@
 //! What people and programs are told.
 
-use std::io::IsTerminal;
+use std::cell::Cell;
+use std::io::{ErrorKind, IsTerminal, Write};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -39,6 +40,8 @@ pub struct Report {
     dry_run: bool,
     built: Vec<Built>,
     errors: Vec<String>,
+    /// Whether standard output failed.
+    unsaid: Cell<bool>,
     /// Hidden unless standard error is a terminal.
     pub progress: ProgressBar,
 }
@@ -56,6 +59,7 @@ impl Report {
             dry_run: global.dry_run,
             built: vec![],
             errors: vec![],
+            unsaid: Cell::new(false),
             progress,
         }
     }
@@ -63,8 +67,20 @@ impl Report {
     /// A line for people.
     pub fn say(&self, text: &str) {
         if !self.json && !self.quiet {
-            self.progress.suspend(|| println!("{text}"));
+            self.out(text);
         }
+    }
+
+    /// Standard output may be a closed pipe or a full disk: the first is nobody's fault, the second is remembered.
+    fn out(&self, text: &str) {
+        let written = self.progress.suspend(|| writeln!(std::io::stdout(), "{text}"));
+        if written.is_err_and(|e| e.kind() != ErrorKind::BrokenPipe) {
+            self.unsaid.set(true);
+        }
+    }
+
+    fn complain(&self, text: &str) {
+        self.progress.suspend(|| writeln!(std::io::stderr(), "{text}").ok());
     }
 
     pub fn built(&mut self, built: Built) {
@@ -84,8 +100,10 @@ impl Report {
             built.files.iter().for_each(|file| self.say(&format!("  {file}")));
         }
         if !self.json {
-            let name = &built.name;
-            built.warnings.iter().for_each(|w| self.progress.suspend(|| eprintln!("warning: {name}: {w}")));
+            for warning in &built.warnings {
+                let name = if warning.starts_with(&built.name) { String::new() } else { format!("{}: ", built.name) };
+                self.complain(&format!("warning: {name}{warning}"));
+            }
         }
         self.built.push(built);
     }
@@ -93,7 +111,7 @@ impl Report {
     pub fn error(&mut self, error: &Error) {
         let text = error.to_string();
         if !self.json {
-            self.progress.suspend(|| eprintln!("error: {text}"));
+            self.complain(&format!("error: {text}"));
         }
         self.errors.push(text);
     }
@@ -103,8 +121,11 @@ impl Report {
         if self.json {
             let Report { built, errors, dry_run, .. } = &self;
             let json = Json { schema: 1, dry_run: *dry_run, materials: built, errors };
-            println!("{}", serde_json::to_string_pretty(&json).expect("plain data"));
+            self.out(&serde_json::to_string_pretty(&json).expect("plain data"));
         }
-        if self.errors.is_empty() { ExitCode::SUCCESS } else { ExitCode::from(2) }
+        if self.unsaid.get() {
+            self.complain("error: standard output cannot be written");
+        }
+        if self.errors.is_empty() && !self.unsaid.get() { ExitCode::SUCCESS } else { ExitCode::from(2) }
     }
 }

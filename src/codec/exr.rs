@@ -178,19 +178,26 @@ pub(super) fn decode(source: &Source) -> Result<(Raster, Vec<String>)> {
     Ok((levels.swap_remove(0), notes))
 }
 
-/// File channels in customary order: `R G B A` or `X Y Z A` within each layer that has no others, else as they are.
+/// File channels in customary order: `R G B A` or `X Y Z A`, then others, within each layer that has such; else as they
+/// are.
 fn customary_order(names: &[String]) -> Vec<usize> {
     let split = |name: &'_ str| -> (String, Option<usize>) {
         let (layer, channel) = name.rsplit_once('.').unwrap_or(("", name));
         (layer.to_owned(), ["R", "G", "B", "X", "Y", "Z", "A"].iter().position(|c| c.eq_ignore_ascii_case(channel)))
     };
     let split: Vec<_> = names.iter().map(|name| split(name)).collect();
-    let customary = |layer: &str| split.iter().filter(|(l, _)| l == layer).all(|(_, rank)| rank.is_some());
+    // A layer of usual names alone, or one that has all three of a colour or a vector.
+    let customary = |layer: &str| {
+        let ranks: Vec<_> = split.iter().filter(|(l, _)| l == layer).map(|(_, rank)| *rank).collect();
+        let has = |triple: [usize; 3]| triple.iter().all(|rank| ranks.contains(&Some(*rank)));
+        ranks.iter().all(Option::is_some) || has([0, 1, 2]) || has([3, 4, 5])
+    };
     let mut order: Vec<usize> = (0..names.len()).collect();
     order.sort_by_key(|&c| {
         let (layer, rank) = &split[c];
         let first = split.iter().position(|(l, _)| l == layer);
-        (first, if customary(layer) { *rank } else { None })
+        let rank = if customary(layer) { *rank } else { None };
+        (first, rank.is_none(), rank)
     });
     order
 }

@@ -60,7 +60,14 @@ pub struct Decoded {
 /// claims more texels than its length can hold; [`Error::Unsupported`] if it has more than [`MAX_TEXELS`] or uses a part
 /// of its format that is not read here.
 pub fn read(path: &Path) -> Result<Decoded> {
-    let bytes = file(path)?;
+    decode(path, file(path)?)
+}
+
+/// Decodes the bytes of a picture; `path` is for messages, and its extension tells TGA.
+///
+/// # Errors
+/// As [`read`].
+pub fn decode(path: &Path, bytes: Vec<u8>) -> Result<Decoded> {
     let format = Format::of(path, &bytes)?;
     let source = Source { path, bytes: &bytes, format };
     let (raster, notes) = source.guard(|| match format {
@@ -76,8 +83,10 @@ pub fn read(path: &Path) -> Result<Decoded> {
 }
 
 fn file(path: &Path) -> Result<Vec<u8>> {
-    if path.is_dir() {
-        return Err(Error::invalid(path, "a folder", "a picture file"));
+    let there = path.metadata().map_err(|error| Error::io(path, error))?;
+    if !there.is_file() {
+        let found = if there.is_dir() { "a folder" } else { "something that is not a file" };
+        return Err(Error::invalid(path, found, "a picture file"));
     }
     std::fs::read(path).map_err(|error| Error::io(path, error))
 }

@@ -12,7 +12,7 @@ use crate::ndf::RoughnessTensor;
 pub const FOLD: Fold = Fold {
     name: "lean",
     cite: "Olano & Baker 2010; Dupuy et al. 2013",
-    about: "slope moments, alpha^2 + 2 covariance; anisotropic",
+    about: "slope moments, alpha^2 + 2 covariance",
     needs: Needs::SLOPE_COV.and(Needs::TENSOR),
     isotropic: |row, out| {
         row.isotropic(out, |m| {

@@ -12,7 +12,7 @@ use crate::ndf::RoughnessTensor;
 pub const FOLD: Fold = Fold {
     name: "projected",
     cite: "Tokuyoshi & Kaplanyan 2021",
-    about: "covariance of projected normals, added in projected space; anisotropic",
+    about: "covariance of projected normals, added in projected space",
     needs: Needs::NORMAL_COV.and(Needs::TENSOR),
     isotropic: |row, out| {
         row.isotropic(out, |m| {

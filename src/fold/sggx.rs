@@ -11,7 +11,7 @@ use crate::ndf::RoughnessTensor;
 pub const FOLD: Fold = Fold {
     name: "sggx",
     cite: "Heitz et al. 2015",
-    about: "average of ellipsoid matrices; anisotropic",
+    about: "average of ellipsoid matrices",
     needs: Needs::NORMAL_COV.and(Needs::FORM).and(Needs::TENSOR),
     isotropic: |row, out| {
         row.isotropic(out, |m| {

@@ -4,9 +4,10 @@
 //! stand anywhere (`brown_mud_Nor_8k`, `Metal009_2K_NormalDX`), and the longest run of words that means something
 //! wins. Nothing is guessed between two candidates: that is an error that lists them and names the flag.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use super::NormalY;
+use super::built::built_files;
 use super::load::{ChannelRef, Inputs, RoughnessInput};
 use crate::error::{Error, Result};
 
@@ -117,57 +118,66 @@ fn meaning_of(stem: &str) -> Option<Meaning> {
     Some(Meaning { kind, channel, material: format!("{head}{joint}{tail}") })
 }
 
-/// The materials in a folder: its own maps by their common names, or else those of its sub-folders.
+/// What the name of a normal map says about its convention.
+pub fn convention(path: &Path) -> Option<NormalY> {
+    match meaning_of(&path.file_stem()?.to_string_lossy())?.kind {
+        Normal(y) => y,
+        _ => None,
+    }
+}
+
+/// The materials in a folder: its own maps by their common names, or else those of its sub-folders, however deep.
+/// Files that an earlier build wrote are passed over. A set whose roles cannot be told is an error of its own.
 ///
 /// # Errors
-/// Two candidates for one role; a folder without any map.
-pub fn folder(folder: &Path, want: NormalY) -> Result<Vec<Inputs>> {
-    let mut found = maps_in(folder, want)?;
+/// A folder that cannot be read, or holds no texture set at all.
+pub fn folder(folder: &Path, want: NormalY) -> Result<Vec<Result<Inputs>>> {
+    let found = sets_below(folder, want)?;
     if found.is_empty() {
-        for sub in entries(folder)?.into_iter().filter(|path| path.is_dir()) {
-            found.extend(maps_in(&sub, want)?);
-        }
-    }
-    if found.is_empty() {
-        return Err(Error::invalid(
-            folder,
-            "no texture set",
-            "files named like NAME_normal.png, NAME_roughness.png or NAME_orm.png; or give them with --normal and --roughness",
-        ));
+        let expected = "files named like NAME_normal.png, NAME_roughness.png or NAME_orm.png; or give them with \
+                        --normal and --roughness";
+        return Err(Error::invalid(folder, "no texture set", expected));
     }
     Ok(found)
 }
 
-fn entries(folder: &Path) -> Result<Vec<PathBuf>> {
+fn sets_below(folder: &Path, want: NormalY) -> Result<Vec<Result<Inputs>>> {
     let read = std::fs::read_dir(folder).map_err(|e| Error::io(folder, e))?;
     let paths: std::io::Result<Vec<_>> = read.map(|entry| Ok(entry?.path())).collect();
     let mut paths = paths.map_err(|e| Error::io(folder, e))?;
     paths.sort();
-    Ok(paths)
-}
-
-fn maps_in(folder: &Path, want: NormalY) -> Result<Vec<Inputs>> {
-    let is_picture = |path: &PathBuf| {
-        let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
-        path.is_file() && EXTENSIONS.contains(&extension.as_str())
-    };
+    let built = built_files(folder).unwrap_or_default();
     let mut sets: Vec<(String, Vec<Candidate>)> = Vec::new();
-    for path in entries(folder)?.into_iter().filter(is_picture) {
-        let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    for path in paths.iter().filter(|path| is_picture(path)) {
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+        if built.contains(&name.into_owned()) {
+            continue;
+        }
         let Some(Meaning { kind, channel, material }) = meaning_of(&stem) else { continue };
-        let file = Candidate { kind, file: ChannelRef { path, channel } };
+        let file = Candidate { kind, file: ChannelRef { path: path.clone(), channel } };
         match sets.iter_mut().find(|(name, _)| name.eq_ignore_ascii_case(&material)) {
             Some((_, files)) => files.push(file),
             None => sets.push((material, vec![file])),
         }
     }
-    let folder_name = folder.canonicalize().ok().and_then(|p| Some(p.file_name()?.to_string_lossy().into_owned()));
-    let mut found = Vec::new();
-    for (name, files) in sets {
-        let name = if name.is_empty() { folder_name.clone().unwrap_or_else(|| "material".into()) } else { name };
-        found.extend(set(folder, name, &files, want)?);
+    let folder_name = || Some(folder.canonicalize().ok()?.file_name()?.to_string_lossy().into_owned());
+    let named = sets.into_iter().map(|(name, files)| {
+        let name = if name.is_empty() { folder_name().unwrap_or_else(|| "material".into()) } else { name };
+        set(folder, name, &files, want).transpose()
+    });
+    let mut found: Vec<_> = named.flatten().collect();
+    if found.is_empty() {
+        for sub in paths.iter().filter(|path| path.is_dir()) {
+            found.extend(sets_below(sub, want)?);
+        }
     }
     Ok(found)
+}
+
+fn is_picture(path: &Path) -> bool {
+    let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+    path.is_file() && EXTENSIONS.contains(&extension.as_str())
 }
 
 /// A file that may play a role.

@@ -20,6 +20,8 @@ pub struct Findings {
     pub roughness_not_finite: usize,
     /// Roughness outside 0..1.
     pub roughness_outside: usize,
+    /// Samples of plain channels that are not a number.
+    pub others_not_finite: usize,
     /// Mean length of the stored normals.
     pub mean_length: f64,
     /// Mean of the stored x and y, -1..1.
@@ -46,6 +48,7 @@ impl Findings {
         self.directionless += o.directionless;
         self.roughness_not_finite += o.roughness_not_finite;
         self.roughness_outside += o.roughness_outside;
+        self.others_not_finite += o.others_not_finite;
         self.mean_length += o.mean_length;
         (0..2).for_each(|i| self.mean_xy[i] += o.mean_xy[i]);
         self
@@ -96,7 +99,7 @@ impl Material {
                 }
             }) && integer(source.map)
         });
-        normals && self.width.is_none_or(|(map, _)| integer(map))
+        normals && self.width.iter().chain(&self.others).all(|(map, _)| integer(*map))
     }
 
     fn inspect_row(&self, y: usize, buffer: &mut [f32]) -> Findings {
@@ -133,6 +136,10 @@ impl Material {
             self.maps[map].raster.read(channel, y, 0, roughness);
             found.roughness_not_finite = roughness.iter().filter(|v| !v.is_finite()).count();
             found.roughness_outside = roughness.iter().filter(|v| v.is_finite() && !(0.0..=1.0).contains(*v)).count();
+        }
+        for &(map, channel) in self.others.iter().filter(|(map, _)| self.maps[*map].raster.bits() == 32) {
+            self.maps[map].raster.read(channel, y, 0, roughness);
+            found.others_not_finite += roughness.iter().filter(|v| !v.is_finite()).count();
         }
         found
     }

@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use ndarray::Array3;
 
 use super::source::{MapFile, Material, NormalSource, Origin};
-use super::{NormalY, NormalZ, Role, height, resample};
-use crate::codec;
+use super::{NormalY, NormalZ, Role, detect, height, resample};
+use crate::codec::{self, Decoded};
 use crate::error::{Error, Result};
 use crate::image::{Raster, Samples, Size, Wrap};
 use crate::roughness::PerceptualRoughness;
@@ -87,7 +87,19 @@ pub struct Inputs {
 /// # Errors
 /// Files that cannot be read; channels that a file lacks; a set without any map to fold.
 pub fn load(inputs: &Inputs) -> Result<Material> {
-    let mut builder = Builder { material: empty(inputs), paths: Vec::new() };
+    load_with(inputs, &codec::read)
+}
+
+/// How [`load_with`] comes by the picture of a path.
+pub type ReadPicture<'a> = &'a (dyn Fn(&Path) -> Result<Decoded> + Sync);
+
+/// As [`load`], with pictures from wherever `read` takes them: an archive, memory, an engine's own assets. See
+/// [`codec::decode`].
+///
+/// # Errors
+/// As [`load`], and those of `read`.
+pub fn load_with(inputs: &Inputs, read: ReadPicture) -> Result<Material> {
+    let mut builder = Builder { material: empty(inputs), paths: Vec::new(), read };
     let (normal, height) = (inputs.normal.as_deref(), inputs.height.as_deref());
     let width = match &inputs.roughness {
         RoughnessInput::Roughness(c) | RoughnessInput::Smoothness(c) => Some(c.path.as_path()),
@@ -163,13 +175,14 @@ impl Material {
     }
 }
 
-struct Builder {
+struct Builder<'a> {
     material: Material,
+    read: ReadPicture<'a>,
     /// The path that each map was read from.
     paths: Vec<PathBuf>,
 }
 
-impl Builder {
+impl Builder<'_> {
     fn note(&mut self, note: impl Into<String>) {
         self.material.notes.push(note.into());
     }
@@ -183,14 +196,14 @@ impl Builder {
                 distinct.push(path);
             }
         });
-        let decoded: Vec<_> = distinct.par_iter().map(|path| codec::read(path)).collect();
+        let decoded: Vec<_> = distinct.par_iter().map(|path| (self.read)(path)).collect();
         for (path, decoded) in distinct.into_iter().zip(decoded) {
             self.push_file(path, decoded?);
         }
         Ok(())
     }
 
-    fn push_file(&mut self, path: &Path, decoded: codec::Decoded) {
+    fn push_file(&mut self, path: &Path, decoded: Decoded) {
         let name = path.file_name().unwrap_or_default().to_string_lossy();
         decoded.notes.iter().for_each(|note| self.note(format!("{name}: {note}")));
         let raster = decoded.raster;
@@ -205,6 +218,7 @@ impl Builder {
                 size: raster.size(),
                 format: decoded.format,
                 plain_png: decoded.plain_png,
+                derived: false,
             },
             raster,
         });
@@ -261,15 +275,21 @@ impl Builder {
             }
         }
         let y = self.material.normal_y;
+        if let Some(named) = detect::convention(path)
+            && named != y
+        {
+            let file = path.file_name().unwrap_or_default().to_string_lossy();
+            let warning =
+                format!("{file} is read as {}, but its name says {}; see --normal-y", y.describe(), named.describe());
+            self.material.warnings.push(warning);
+        }
         self.note(format!("normal map read as {}; --normal-y changes it", y.describe()));
         self.material.normal = Some(NormalSource { map, channels });
         Ok(())
     }
 
     fn add_height(&mut self, path: &Path, inputs: &Inputs) -> Result<()> {
-        let mut decoded = codec::read(path)?;
-        // What comes back is another picture.
-        decoded.plain_png = None;
+        let decoded = (self.read)(path)?;
         let scale = inputs.height_scale.unwrap_or(DEFAULT_HEIGHT_SCALE);
         let raster = height::normals(&decoded.raster, 0, scale, inputs.wrap);
         let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
@@ -282,6 +302,9 @@ impl Builder {
         file.stem += "_normal";
         (file.raster, file.bits) = (raster, 16);
         file.roles = vec![Role::NormalX, Role::NormalY, Role::NormalZ];
+        if let Origin::File { plain_png, derived, .. } = &mut file.origin {
+            (*plain_png, *derived) = (None, true);
+        }
         self.material.normal_y = NormalY::OpenGl;
         self.material.normal = Some(NormalSource { map, channels: [Some(0), Some(1), Some(2)] });
         Ok(())
@@ -412,6 +435,7 @@ impl Builder {
         for (count, what) in [
             (found.roughness_not_finite, "roughness values are not a number; taken as 1"),
             (found.roughness_outside, "roughness values lie outside 0..1; clamped"),
+            (found.others_not_finite, "values of other channels are not a number; taken as 0"),
         ] {
             if count > 0 {
                 material.warnings.push(format!("{} {what}", share(count)));
@@ -446,7 +470,8 @@ fn distinct_stems(maps: &mut [MapFile]) {
     for i in 1..maps.len() {
         let mut stem = maps[i].stem.clone();
         let mut n = 2;
-        while maps[..i].iter().any(|other| other.stem == stem) {
+        // File systems that ignore case exist.
+        while maps[..i].iter().any(|other| other.stem.to_lowercase() == stem.to_lowercase()) {
             stem = format!("{}_{n}", maps[i].stem);
             n += 1;
         }

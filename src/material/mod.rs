@@ -1,5 +1,6 @@
 //! What channels mean, both ways: roles, packing, Y and roughness conventions, file names, repair.
 
+mod built;
 pub mod detect;
 mod height;
 mod inspect;
@@ -10,8 +11,11 @@ mod role;
 mod source;
 mod texels;
 
+pub use built::{GENERATOR, MANIFEST, built_files};
 pub use inspect::Findings;
-pub use load::{ChannelRef, DEFAULT_HEIGHT_SCALE, DEFAULT_ROUGHNESS, Inputs, RoughnessInput, load};
+pub use load::{
+    ChannelRef, DEFAULT_HEIGHT_SCALE, DEFAULT_ROUGHNESS, Inputs, ReadPicture, RoughnessInput, load, load_with,
+};
 pub use pack::{Encoding, LevelView};
 pub use role::{NormalY, NormalZ, Role};
 pub use source::{MapFile, Material, Origin};

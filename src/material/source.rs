@@ -23,6 +23,8 @@ pub enum Origin {
         format: &'static str,
         /// The file itself, if it can stand for level 0 byte for byte.
         plain_png: Option<Arc<[u8]>>,
+        /// Whether the map is another picture, made from the file: normals from heights.
+        derived: bool,
     },
     /// Made from something else, which is said.
     Generated(String),
@@ -184,5 +186,7 @@ impl Texels for Material {
     fn extra(&self, index: usize, y: usize, x: usize, out: &mut [f32]) {
         let (map, channel) = self.others[index];
         self.maps[map].raster.read(channel, y, x, out);
+        // What is not a number must not spread to coarser levels.
+        out.iter_mut().for_each(|v| *v = if v.is_finite() { *v } else { 0.0 });
     }
 }

@@ -17,7 +17,7 @@ pub use reduce::{Scratch, reduce_rows};
 
 use crate::ndf::{Frame, RoughnessTensor};
 
-/// Index of the first plane of each quantity; see [`KINDS`].
+/// Index of the first plane of each quantity.
 pub mod plane {
     /// Weight: area times coverage, in level-0 texels.
     pub const WEIGHT: usize = 0;

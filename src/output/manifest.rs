@@ -9,7 +9,7 @@ use super::plan::{Content, Format, Output, Plan, Request};
 use crate::codec::Depth;
 use crate::fold::{Chain, Options};
 use crate::image::{Size, Wrap};
-use crate::material::{Material, NormalY, Origin, Role};
+use crate::material::{GENERATOR, MapFile, Material, NormalY, Origin, Role};
 use crate::ndf::Form;
 
 /// Version of the manifest's form; fields are added, never renamed.
@@ -33,7 +33,6 @@ pub struct Manifest {
     normal_scale: f32,
     wrap: Wrap,
     constant_roughness: Option<f32>,
-    level_0: &'static str,
     inputs: Vec<Input>,
     maps: Vec<OutputMap>,
     notes: Vec<String>,
@@ -67,6 +66,8 @@ pub struct OutputMap {
     encoding: &'static str,
     channels: Vec<ChannelRole>,
     levels: Vec<Size>,
+    /// Where level 0 comes from.
+    level_0: &'static str,
 }
 
 impl Manifest {
@@ -78,7 +79,7 @@ impl Manifest {
             .any(|m| matches!(&m.origin, Origin::Generated(_)) && m.channel(Role::Roughness).is_some());
         Self {
             schema: SCHEMA,
-            generator: "mipfold",
+            generator: GENERATOR,
             version: env!("CARGO_PKG_VERSION"),
             material: material.name.clone(),
             size: material.size,
@@ -92,7 +93,6 @@ impl Manifest {
             normal_scale: material.normal_scale,
             wrap: material.wrap,
             constant_roughness: constant.then_some(material.constant.0),
-            level_0: "the input's own pixels",
             inputs: inputs(material),
             maps: maps(material, chain, plan, request),
             notes: material.notes.clone(),
@@ -107,16 +107,20 @@ fn channels(material: &Material, map: usize) -> Vec<ChannelRole> {
     named.map(|(name, role)| ChannelRole { name: name.clone(), role: role_name(*role) }).collect()
 }
 
+fn height_channel() -> ChannelRole {
+    ChannelRole { name: "first".into(), role: "height" }
+}
+
 fn inputs(material: &Material) -> Vec<Input> {
     let files = material.maps.iter().enumerate();
     files
         .filter_map(|(i, map)| match &map.origin {
-            Origin::File { path, sha256, size, format, .. } => Some(Input {
+            Origin::File { path, sha256, size, format, derived, .. } => Some(Input {
                 path: path.clone(),
                 sha256: sha256.clone(),
                 format,
                 size: *size,
-                channels: channels(material, i),
+                channels: if *derived { vec![height_channel()] } else { channels(material, i) },
             }),
             Origin::Generated(_) => None,
         })
@@ -128,35 +132,26 @@ fn maps(material: &Material, chain: &Chain, plan: &Plan, request: &Request) -> V
     let named = |names: &[&'static str]| names.iter().map(|n| ChannelRole { name: n.to_string(), role: n }).collect();
     let mut out: Vec<OutputMap> = Vec::new();
     for (map, file) in material.maps.iter().enumerate() {
-        let names = |wanted: &dyn Fn(Content) -> bool| -> Vec<String> {
-            plan.outputs.iter().filter(|o| wanted(o.content)).map(|o: &Output| o.name.clone()).collect()
-        };
-        let role = map_role(&file.roles);
-        let pngs = names(&|c| matches!(c, Content::Level { map: m, .. } if m == map));
-        if !pngs.is_empty() {
-            let encoding = if file.bits == 8 { "unorm8" } else { "unorm16" };
-            let levels = levels.clone();
-            out.push(OutputMap {
-                role,
-                container: Format::Png,
-                files: pngs,
-                encoding,
-                channels: channels(material, map),
-                levels,
-            });
-        }
-        let exrs = names(&|c| c == Content::Levels { map });
-        if !exrs.is_empty() {
-            let encoding = if request.depth == Depth::Half { "float16" } else { "float32" };
-            let levels = levels.clone();
-            out.push(OutputMap {
-                role,
-                container: Format::Exr,
-                files: exrs,
-                encoding,
-                channels: channels(material, map),
-                levels,
-            });
+        let png = if file.bits == 8 { "unorm8" } else { "unorm16" };
+        let exr = if request.depth == Depth::Half { "float16" } else { "float32" };
+        for (container, encoding) in [(Format::Png, png), (Format::Exr, exr)] {
+            let wanted = |o: &&Output| match o.content {
+                Content::Level { map: m, .. } => m == map && container == Format::Png,
+                Content::Levels { map: m } => m == map && container == Format::Exr,
+                _ => false,
+            };
+            let files: Vec<_> = plan.outputs.iter().filter(wanted).map(|o| o.name.clone()).collect();
+            if !files.is_empty() {
+                out.push(OutputMap {
+                    role: map_role(&file.roles),
+                    container,
+                    files,
+                    encoding,
+                    channels: channels(material, map),
+                    levels: levels.clone(),
+                    level_0: level_0(file, container),
+                });
+            }
         }
     }
     for output in &plan.outputs {
@@ -172,9 +167,21 @@ fn maps(material: &Material, chain: &Chain, plan: &Plan, request: &Request) -> V
             encoding: "float32",
             channels: named(&names),
             levels: levels.clone(),
+            level_0: "folded inputs",
         });
     }
     out
+}
+
+/// Where level 0 of a map comes from.
+fn level_0(file: &MapFile, container: Format) -> &'static str {
+    match &file.origin {
+        Origin::Generated(_) => "generated",
+        Origin::File { derived: true, .. } => "derived from heights",
+        Origin::File { size, .. } if *size != file.raster.size() => "the input, enlarged",
+        Origin::File { .. } if container == Format::Png && file.bits == 32 => "the input, rounded to 16 bit",
+        Origin::File { .. } => "the input's own pixels",
+    }
 }
 
 /// One word for a map: what it holds first.

@@ -6,10 +6,8 @@ mod plan;
 mod stage;
 mod write;
 
+pub use crate::material::MANIFEST;
 pub use manifest::{Input, Manifest, OutputMap, SCHEMA};
 pub use plan::{Content, Format, Output, Plan, Request, safe_name};
-pub use stage::Stage;
+pub use stage::{Stage, may_write};
 pub use write::write;
-
-/// Name of the manifest in a material's folder.
-pub const MANIFEST: &str = "manifest.json";

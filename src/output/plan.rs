@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use super::MANIFEST;
+use super::{MANIFEST, may_write};
 use crate::codec::Depth;
 use crate::error::{Error, Result};
 use crate::material::{Material, Origin};
@@ -84,15 +84,22 @@ impl Plan {
                 }
             }
         }
+        // A map may be called like the lobes.
         let prefix = safe_name(&material.name);
+        let free = |suffix: &str| {
+            let mut names =
+                (1..).map(|n| if n == 1 { format!("{prefix}_{suffix}") } else { format!("{prefix}_{suffix}_{n}") });
+            let taken = |name: &String| material.maps.iter().any(|map| map.stem.eq_ignore_ascii_case(name));
+            names.find(|name| !taken(name)).expect("some number is free") + ".exr"
+        };
         if request.formats.contains(&Format::Exr) {
             for (map, file) in material.maps.iter().enumerate() {
                 push(format!("{}.exr", file.stem), Content::Levels { map });
             }
-            push(format!("{prefix}_lobes.exr"), Content::Lobes);
+            push(free("lobes"), Content::Lobes);
         }
         if request.moments {
-            push(format!("{prefix}_moments.exr"), Content::Moments);
+            push(free("moments"), Content::Moments);
         }
         Self { outputs }
     }
@@ -102,7 +109,6 @@ impl Plan {
     /// # Errors
     /// [`Error::Invalid`] that names the file.
     pub fn check(&self, material: &Material, request: &Request) -> Result<()> {
-        let ours = request.force || request.folder.join(MANIFEST).exists();
         for output in &self.outputs {
             let path = request.folder.join(&output.name);
             for map in &material.maps {
@@ -112,18 +118,9 @@ impl Plan {
                     return Err(Error::invalid(&path, "an output that is also an input", "another folder for -o"));
                 }
             }
-            if path.is_dir() {
-                return Err(Error::invalid(&path, "a folder", "a place for a file; choose another -o"));
-            }
-            if !ours && path.exists() {
-                return Err(Error::invalid(
-                    &path,
-                    "a file that mipfold did not write",
-                    "a folder of its own, or --force to replace it",
-                ));
-            }
         }
-        Ok(())
+        let names = self.outputs.iter().map(|output| output.name.as_str());
+        may_write(&request.folder, names.chain([MANIFEST]), request.force)
     }
 }
 

@@ -8,6 +8,7 @@ use std::sync::Mutex;
 use tempfile::NamedTempFile;
 
 use crate::error::{Error, Result};
+use crate::material::built_files;
 
 /// Files written beside their place under a temporary name. [`Stage::commit`] renames all of them; dropping the stage
 /// before that removes them, and the folders that were made for them.
@@ -54,16 +55,48 @@ impl Stage {
     /// Gives all files their names; the one called `last` comes last, so that it speaks for finished files only.
     ///
     /// # Errors
-    /// A name that cannot be given; files not yet named are removed.
+    /// A name that cannot be given; then files that replaced nothing are removed again.
     pub fn commit(mut self, last: &str) -> Result<()> {
         let mut files = std::mem::take(self.files.get_mut().expect("no writer panics"));
         files.sort_by_key(|(_, path)| path.ends_with(last));
+        let mut new = Vec::new();
         for (file, path) in files {
-            file.persist(&path).map_err(|e| Error::io(&path, e.error))?;
+            let existed = path.exists();
+            if let Err(error) = file.persist(&path) {
+                new.iter().for_each(|path| drop(fs::remove_file(path)));
+                return Err(Error::io(&path, error.error));
+            }
+            if !existed {
+                new.push(path);
+            }
         }
         self.made.clear();
         Ok(())
     }
+}
+
+/// Whether files of these names may be written into a folder: nothing but a regular file stands in the way, and what
+/// is there was written by an earlier build of ours, or `force` allows to replace it.
+///
+/// # Errors
+/// [`Error::Invalid`] that names the first file in the way.
+pub fn may_write<'a>(folder: &Path, names: impl IntoIterator<Item = &'a str>, force: bool) -> Result<()> {
+    let ours = force || built_files(folder).is_some();
+    for name in names {
+        let path = folder.join(name);
+        match path.metadata() {
+            Err(_) => {}
+            Ok(there) if !there.is_file() => {
+                return Err(Error::invalid(&path, "something that is not a file", "a free place; choose another -o"));
+            }
+            Ok(_) if !ours => {
+                let expected = "a folder of its own, or --force to replace it";
+                return Err(Error::invalid(&path, "a file that mipfold did not write", expected));
+            }
+            Ok(_) => {}
+        }
+    }
+    Ok(())
 }
 
 /// Temporary files are private; outputs are not.
