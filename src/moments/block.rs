@@ -162,10 +162,11 @@ impl Block {
             }
         }
         if let Some(s) = slot(FORM) {
-            let rows = self.rows_mut([s, s + 1, s + 2, s + 3, s + 4, s + 5], y);
-            let [a, b, c, d, e, f] = rows;
+            let [a, b, c, d, e, f] = self.rows_mut([s, s + 1, s + 2, s + 3, s + 4, s + 5], y);
+            let isotropic = source.tensors.is_none();
             for i in 0..width {
-                let values = form(normal(i), base(i));
+                let n = normal(i);
+                let values = if isotropic { isotropic_form(n, perceptual[i]) } else { form(n, base(i)) };
                 (a[i], b[i], c[i], d[i], e[i], f[i]) =
                     (values[0], values[1], values[2], values[3], values[4], values[5]);
             }
@@ -334,6 +335,15 @@ impl Shares for Weighted<'_> {
 #[inline(always)]
 fn weighted(share: [f32; 4], value: [f32; 4]) -> f32 {
     (share[0] * value[0] + share[1] * value[1]) + (share[2] * value[2] + share[3] * value[3])
+}
+
+/// [`form`] of a lobe of one width: `alpha^2 (I - n n^T)`.
+#[inline(always)]
+fn isotropic_form(n: Vec3, perceptual: f32) -> [f32; 6] {
+    let alpha = perceptual * perceptual;
+    let a2 = alpha * alpha;
+    let (x, y) = (a2 * n.x, a2 * n.y);
+    [a2 - x * n.x, -x * n.y, -x * n.z, a2 - y * n.y, -y * n.z, a2 - a2 * n.z * n.z]
 }
 
 /// Level-0 quantities of one row.
