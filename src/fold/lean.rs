@@ -14,12 +14,7 @@ pub const FOLD: Fold = Fold {
     cite: "Olano & Baker 2010; Dupuy et al. 2013",
     about: "slope moments, alpha^2 + 2 covariance",
     needs: Needs::SLOPE_COV.and(Needs::TENSOR),
-    isotropic: |row, out| {
-        row.isotropic(out, |m| {
-            let (normal, tensor) = lobe(m);
-            (normal, tensor.mean())
-        });
-    },
+    isotropic: |row, out| row.isotropic_part(out, lobe),
     anisotropic: Some(|row, out| row.anisotropic(out, lobe)),
 };
 

@@ -19,7 +19,7 @@ pub struct LobeRow<'a> {
 
 impl<'a> MomentRow<'a> {
     /// Row `y` of a block; `zeros` stands for planes that the layout lacks.
-    pub fn new(block: &'a Block, layout: &Layout, y: usize, zeros: &'a [f32]) -> Self {
+    pub(crate) fn new(block: &'a Block, layout: &Layout, y: usize, zeros: &'a [f32]) -> Self {
         Self { planes: block.rows(layout, y, zeros), width: block.width() }
     }
 
@@ -48,6 +48,15 @@ impl<'a> MomentRow<'a> {
         self.each(|i, moments| {
             let (normal, alpha2) = fold(moments);
             (x[i], y[i], z[i], xx[i], yy[i]) = (normal.x, normal.y, normal.z, alpha2, alpha2);
+        });
+    }
+
+    /// Runs an anisotropic fold and keeps the mean of its squared widths.
+    #[inline(always)]
+    pub fn isotropic_part(&self, out: &mut LobeRow, fold: impl Fn(&Moments) -> (Vec3, RoughnessTensor)) {
+        self.isotropic(out, |moments| {
+            let (normal, tensor) = fold(moments);
+            (normal, tensor.mean())
         });
     }
 

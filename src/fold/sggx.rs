@@ -13,12 +13,7 @@ pub const FOLD: Fold = Fold {
     cite: "Heitz et al. 2015",
     about: "average of ellipsoid matrices",
     needs: Needs::NORMAL_COV.and(Needs::FORM).and(Needs::TENSOR),
-    isotropic: |row, out| {
-        row.isotropic(out, |m| {
-            let (normal, tensor) = lobe(m);
-            (normal, tensor.mean())
-        });
-    },
+    isotropic: |row, out| row.isotropic_part(out, lobe),
     anisotropic: Some(|row, out| row.anisotropic(out, lobe)),
 };
 

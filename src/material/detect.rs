@@ -8,7 +8,7 @@ use std::path::Path;
 
 use super::NormalY;
 use super::built::built_files;
-use super::load::{ChannelRef, Inputs, RoughnessInput};
+use super::{ChannelRef, Inputs, RoughnessInput};
 use crate::error::{Error, Result};
 
 /// What a file name says.

@@ -2,85 +2,15 @@
 
 use std::path::{Path, PathBuf};
 
-use ndarray::Array3;
+use rayon::prelude::*;
 
+use super::generate::distinct_stems;
 use super::source::{MapFile, Material, NormalSource, Origin};
-use super::{NormalY, NormalZ, Role, detect, height, resample};
+use super::{ChannelRef, DEFAULT_HEIGHT_SCALE, DEFAULT_ROUGHNESS, Inputs, NormalY, NormalZ, Role, RoughnessInput};
+use super::{detect, height, resample};
 use crate::codec::{self, Decoded};
 use crate::error::{Error, Result};
-use crate::image::{Raster, Samples, Size, Wrap};
-use crate::roughness::PerceptualRoughness;
-
-/// A file, and a channel of it if one was named.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct ChannelRef {
-    /// The picture.
-    pub path: PathBuf,
-    /// Index of the channel; by default the green one of colour pictures (glTF's place for roughness; the same as
-    /// the others where gray is stored as colour), else the first.
-    pub channel: Option<usize>,
-}
-
-impl ChannelRef {
-    /// `file.png` or `file.png:g`; channels are r g b a, or 0 to 3.
-    pub fn parse(text: &str) -> Self {
-        if let Some((path, name)) = text.rsplit_once(':') {
-            let channel = ["r", "g", "b", "a"].iter().position(|c| c.eq_ignore_ascii_case(name));
-            let channel = channel.or_else(|| name.parse().ok().filter(|c| *c < 4 && name.len() == 1));
-            if channel.is_some() && !path.is_empty() {
-                return Self { path: path.into(), channel };
-            }
-        }
-        Self { path: text.into(), channel: None }
-    }
-}
-
-/// Where the base width comes from.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub enum RoughnessInput {
-    /// Nowhere: [`DEFAULT_ROUGHNESS`] everywhere.
-    #[default]
-    Missing,
-    /// The same everywhere.
-    Constant(PerceptualRoughness),
-    /// A channel of perceptual roughness.
-    Roughness(ChannelRef),
-    /// A channel of gloss or smoothness.
-    Smoothness(ChannelRef),
-}
-
-/// Perceptual roughness of a material that gives none.
-pub const DEFAULT_ROUGHNESS: PerceptualRoughness = PerceptualRoughness(0.5);
-
-/// Height range of a height map in widths of the texture, where none is given.
-pub const DEFAULT_HEIGHT_SCALE: f32 = 0.03;
-
-/// What a material is made from. At least one of normal, height and a roughness map must be there.
-#[derive(Clone, Debug, Default)]
-pub struct Inputs {
-    /// For messages and output names.
-    pub name: String,
-    /// Tangent-space normal map.
-    pub normal: Option<PathBuf>,
-    /// Base width.
-    pub roughness: RoughnessInput,
-    /// glTF's anisotropy texture: direction in red and green, strength in blue.
-    pub anisotropy: Option<PathBuf>,
-    /// Height map, from which normals are derived if there is no normal map.
-    pub height: Option<PathBuf>,
-    /// Convention of the normal map.
-    pub normal_y: NormalY,
-    /// Where z comes from.
-    pub normal_z: NormalZ,
-    /// Strength that the renderer multiplies x and y of the normal with; `None` for 1.
-    pub normal_scale: Option<f32>,
-    /// Height of white over black in widths of the texture.
-    pub height_scale: Option<f32>,
-    /// What lies beyond the border.
-    pub wrap: Wrap,
-    /// What was decided on the way to these inputs, said again in the material's notes.
-    pub notes: Vec<String>,
-}
+use crate::image::{Raster, Samples, Size};
 
 /// Reads all maps of a material and brings them to one size.
 ///
@@ -152,29 +82,6 @@ fn empty(inputs: &Inputs) -> Material {
     }
 }
 
-impl Material {
-    /// Adds the map that folded anisotropy is written to, in glTF's form, if no input brought one: isotropic at
-    /// level 0.
-    pub fn ensure_anisotropy_map(&mut self) {
-        let roles = vec![Role::AnisotropyX, Role::AnisotropyY, Role::AnisotropyStrength];
-        if self.maps.iter().any(|map| map.channel(Role::AnisotropyX).is_some()) {
-            return;
-        }
-        let Size { width, height } = self.size;
-        // Direction (1, 0), strength 0.
-        let samples = Array3::from_shape_fn((height, width, 3), |(_, _, c)| [255, 128, 0][c]);
-        self.maps.push(MapFile {
-            stem: "anisotropy".into(),
-            origin: Origin::Generated("isotropic at level 0".into()),
-            raster: Raster::new(Samples::U8(samples)),
-            bits: 8,
-            roles,
-            signed: false,
-        });
-        distinct_stems(&mut self.maps);
-    }
-}
-
 struct Builder<'a> {
     material: Material,
     read: ReadPicture<'a>,
@@ -189,7 +96,6 @@ impl Builder<'_> {
 
     /// Reads each distinct file once, side by side.
     fn read_all<'a>(&mut self, paths: impl Iterator<Item = &'a Path>) -> Result<()> {
-        use rayon::prelude::*;
         let mut distinct: Vec<&Path> = Vec::new();
         paths.for_each(|path| {
             if !distinct.contains(&path) {
@@ -366,7 +272,7 @@ impl Builder<'_> {
             }
         }
         if self.material.width.is_none() {
-            self.add_constant_roughness();
+            self.material.add_constant_roughness();
         }
         let material = &mut self.material;
         for (m, map) in material.maps.iter_mut().enumerate() {
@@ -379,28 +285,6 @@ impl Builder<'_> {
         }
         distinct_stems(&mut material.maps);
         self.check()
-    }
-
-    /// The folded roughness needs a map to live in.
-    fn add_constant_roughness(&mut self) {
-        let Size { width, height } = self.material.size;
-        let r = self.material.constant.0;
-        let wide = self.material.maps.iter().any(|map| map.bits == 16);
-        let dim = (height, width, 1);
-        let samples = if wide {
-            Samples::U16(Array3::from_elem(dim, (r * 65535.0).round() as u16))
-        } else {
-            Samples::U8(Array3::from_elem(dim, (r * 255.0).round() as u8))
-        };
-        let raster = Raster::new(samples);
-        self.material.maps.push(MapFile {
-            stem: "roughness".into(),
-            origin: Origin::Generated(format!("constant perceptual roughness {r}")),
-            bits: raster.bits(),
-            raster,
-            roles: vec![Role::Roughness],
-            signed: false,
-        });
     }
 
     /// Counts what is wrong and says it.
@@ -465,37 +349,11 @@ fn is_gray(raster: &Raster) -> bool {
     })
 }
 
-/// Two files of the same name from different folders must not write over each other.
-fn distinct_stems(maps: &mut [MapFile]) {
-    for i in 1..maps.len() {
-        let mut stem = maps[i].stem.clone();
-        let mut n = 2;
-        // File systems that ignore case exist.
-        while maps[..i].iter().any(|other| other.stem.to_lowercase() == stem.to_lowercase()) {
-            stem = format!("{}_{n}", maps[i].stem);
-            n += 1;
-        }
-        maps[i].stem = stem;
-    }
-}
-
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use ndarray::Array3;
 
-    #[test]
-    fn channels_are_named_after_a_colon() {
-        let parse = |text| {
-            let ChannelRef { path, channel } = ChannelRef::parse(text);
-            (path.display().to_string(), channel)
-        };
-        assert_eq!(parse("orm.png"), ("orm.png".into(), None));
-        assert_eq!(parse("orm.png:g"), ("orm.png".into(), Some(1)));
-        assert_eq!(parse("mask.tga:A"), ("mask.tga".into(), Some(3)));
-        assert_eq!(parse("x.exr:2"), ("x.exr".into(), Some(2)));
-        assert_eq!(parse("C:\\maps\\orm.png"), ("C:\\maps\\orm.png".into(), None));
-        assert_eq!(parse("odd:name.png"), ("odd:name.png".into(), None));
-    }
+    use super::*;
 
     #[test]
     fn gray_stored_as_colour_is_seen() {
@@ -503,20 +361,5 @@ mod tests {
             Raster::new(Samples::U8(Array3::from_shape_fn((2, 2, 3), |(_, _, c)| if c == 1 { g } else { 100 })))
         };
         assert!(is_gray(&picture(101)) && !is_gray(&picture(110)));
-    }
-
-    #[test]
-    fn stems_are_kept_apart() {
-        let map = |stem: &str| MapFile {
-            stem: stem.into(),
-            origin: Origin::Generated(String::new()),
-            raster: Raster::new(Samples::U8(Array3::zeros((1, 1, 1)))),
-            bits: 8,
-            roles: vec![Role::Roughness],
-            signed: false,
-        };
-        let mut maps = [map("a"), map("a"), map("a_2"), map("a")];
-        distinct_stems(&mut maps);
-        assert_eq!(maps.map(|m| m.stem), ["a", "a_2", "a_2_2", "a_3"]);
     }
 }

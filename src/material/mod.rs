@@ -2,7 +2,9 @@
 
 mod built;
 pub mod detect;
+mod generate;
 mod height;
+mod inputs;
 mod inspect;
 mod load;
 mod pack;
@@ -12,10 +14,9 @@ mod source;
 mod texels;
 
 pub use built::{GENERATOR, MANIFEST, built_files};
+pub use inputs::{ChannelRef, DEFAULT_HEIGHT_SCALE, DEFAULT_ROUGHNESS, Inputs, RoughnessInput};
 pub use inspect::Findings;
-pub use load::{
-    ChannelRef, DEFAULT_HEIGHT_SCALE, DEFAULT_ROUGHNESS, Inputs, ReadPicture, RoughnessInput, load, load_with,
-};
+pub use load::{ReadPicture, load, load_with};
 pub use pack::{Encoding, LevelView};
 pub use role::{NormalY, NormalZ, Role};
 pub use source::{MapFile, Material, Origin};

@@ -1,6 +1,6 @@
 //! Rectangles of moments, planar, and their 2x2 merge.
 
-use super::{COUNT, KINDS, Kind, Moments, Needs, RoughnessTensor, form, merge_mean, plane::*};
+use super::{COUNT, KINDS, Kind, Needs, RoughnessTensor, form, merge_mean, plane::*};
 use super::{STEEPEST_Z, Vec3};
 
 /// Which planes a [`Block`] holds, in the order of [`super::plane`], followed by plainly averaged extra channels.
@@ -34,11 +34,6 @@ impl Layout {
         }
         kinds.resize(kinds.len() + extras, Kind::Plain);
         Self { slots, kinds, extras }
-    }
-
-    /// Slot of a plane, if it is held.
-    pub fn slot(&self, plane: usize) -> Option<usize> {
-        self.slots[plane]
     }
 
     /// Slot of an extra channel.
@@ -112,9 +107,10 @@ impl Block {
     }
 
     /// The moments of one texel.
-    pub fn at(&self, layout: &Layout, x: usize, y: usize) -> Moments {
+    #[cfg(test)]
+    pub fn at(&self, layout: &Layout, x: usize, y: usize) -> super::Moments {
         let values = std::array::from_fn(|p| layout.slots[p].map_or(0.0, |slot| self.row(slot, y)[x]));
-        Moments { values }
+        super::Moments { values }
     }
 
     /// Fills what follows from the level-0 quantities of row `y`: weight, normal and perceptual roughness must be

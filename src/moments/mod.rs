@@ -2,7 +2,7 @@
 //!
 //! Moments are kept in central form and merged by the parallel-variance formula (Chan, Golub & LeVeque 1979), so
 //! that a variance is never the difference of two large sums: a footprint of equal texels has variance 0 exactly,
-//! and alpha 0.02 survives under a mean slope of 1. [`Moments`] is one footprint; [`Block`] is a rectangle of them,
+//! and alpha 0.02 survives under a mean slope of 1. [`Moments`] is one footprint; a block is a rectangle of them,
 //! planar, and merges with the same arithmetic.
 
 mod block;
@@ -12,8 +12,8 @@ use std::ops::{Add, AddAssign};
 
 use glam::{Vec2, Vec3};
 
-pub use block::{Block, Layout, Quads, TexelRows};
-pub use reduce::{Scratch, reduce_rows};
+pub(crate) use block::{Block, Layout, Quads, TexelRows};
+pub(crate) use reduce::{Scratch, reduce_rows};
 
 use crate::ndf::{Frame, RoughnessTensor};
 

@@ -1,0 +1,97 @@
+//! What a material is made from.
+
+use std::path::PathBuf;
+
+use super::{NormalY, NormalZ};
+use crate::image::Wrap;
+use crate::roughness::PerceptualRoughness;
+
+/// A file, and a channel of it if one was named.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ChannelRef {
+    /// The picture.
+    pub path: PathBuf,
+    /// Index of the channel; by default the green one of colour pictures (glTF's place for roughness; the same as
+    /// the others where gray is stored as colour), else the first.
+    pub channel: Option<usize>,
+}
+
+impl ChannelRef {
+    /// `file.png` or `file.png:g`; channels are r g b a, or 0 to 3.
+    pub fn parse(text: &str) -> Self {
+        if let Some((path, name)) = text.rsplit_once(':') {
+            let channel = ["r", "g", "b", "a"].iter().position(|c| c.eq_ignore_ascii_case(name));
+            let channel = channel.or_else(|| name.parse().ok().filter(|c| *c < 4 && name.len() == 1));
+            if channel.is_some() && !path.is_empty() {
+                return Self { path: path.into(), channel };
+            }
+        }
+        Self { path: text.into(), channel: None }
+    }
+}
+
+/// Where the base width comes from.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub enum RoughnessInput {
+    /// Nowhere: [`DEFAULT_ROUGHNESS`] everywhere.
+    #[default]
+    Missing,
+    /// The same everywhere.
+    Constant(PerceptualRoughness),
+    /// A channel of perceptual roughness.
+    Roughness(ChannelRef),
+    /// A channel of gloss or smoothness.
+    Smoothness(ChannelRef),
+}
+
+/// Perceptual roughness of a material that gives none.
+pub const DEFAULT_ROUGHNESS: PerceptualRoughness = PerceptualRoughness(0.5);
+
+/// Height range of a height map in widths of the texture, where none is given.
+pub const DEFAULT_HEIGHT_SCALE: f32 = 0.03;
+
+/// What a material is made from. At least one of normal, height and a roughness map must be there.
+#[derive(Clone, Debug, Default)]
+pub struct Inputs {
+    /// For messages and output names.
+    pub name: String,
+    /// Tangent-space normal map.
+    pub normal: Option<PathBuf>,
+    /// Base width.
+    pub roughness: RoughnessInput,
+    /// glTF's anisotropy texture: direction in red and green, strength in blue.
+    pub anisotropy: Option<PathBuf>,
+    /// Height map, from which normals are derived if there is no normal map.
+    pub height: Option<PathBuf>,
+    /// Convention of the normal map.
+    pub normal_y: NormalY,
+    /// Where z comes from.
+    pub normal_z: NormalZ,
+    /// Strength that the renderer multiplies x and y of the normal with; `None` for 1.
+    pub normal_scale: Option<f32>,
+    /// Height of white over black in widths of the texture.
+    pub height_scale: Option<f32>,
+    /// What lies beyond the border.
+    pub wrap: Wrap,
+    /// What was decided on the way to these inputs, said again in the material's notes.
+    pub notes: Vec<String>,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn channels_are_named_after_a_colon() {
+        let parse = |text| {
+            let ChannelRef { path, channel } = ChannelRef::parse(text);
+            (path.display().to_string(), channel)
+        };
+        assert_eq!(parse("orm.png"), ("orm.png".into(), None));
+        assert_eq!(parse("orm.png:g"), ("orm.png".into(), Some(1)));
+        assert_eq!(parse("mask.tga:A"), ("mask.tga".into(), Some(3)));
+        assert_eq!(parse("x.exr:2"), ("x.exr".into(), Some(2)));
+        assert_eq!(parse("C:\\maps\\orm.png"), ("C:\\maps\\orm.png".into(), None));
+        assert_eq!(parse("odd:name.png"), ("odd:name.png".into(), None));
+    }
+}
