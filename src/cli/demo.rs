@@ -94,5 +94,5 @@ fn write_pictures(folder: &Path, pictures: &[(&str, &Raster)]) -> Result<()> {
     for (name, raster) in pictures {
         stage.write(name, |out| write_png(out, raster))?;
     }
-    stage.commit("")
+    stage.commit("", &[])
 }

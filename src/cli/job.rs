@@ -44,7 +44,7 @@ impl Job<'_> {
         let files = plan.outputs.iter().map(|o| o.name.clone()).chain([MANIFEST.to_owned()]).collect();
         let built = Built {
             name: material.name.clone(),
-            folder: request.folder.clone(),
+            folder: request.folder.to_string_lossy().into_owned(),
             width: material.size.width,
             height: material.size.height,
             levels: material.size.level_count(),

@@ -2,7 +2,6 @@
 
 use std::cell::Cell;
 use std::io::{ErrorKind, IsTerminal, Write};
-use std::path::PathBuf;
 use std::process::ExitCode;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -15,7 +14,7 @@ use crate::error::Error;
 #[derive(Serialize)]
 pub struct Built {
     pub name: String,
-    pub folder: PathBuf,
+    pub folder: String,
     pub width: usize,
     pub height: usize,
     pub levels: usize,
@@ -93,7 +92,7 @@ impl Report {
             built.levels,
             built.fold,
             built.files.len(),
-            built.folder.display()
+            built.folder
         ));
         built.notes.iter().for_each(|note| self.say(&format!("  {note}")));
         if self.dry_run {

@@ -8,7 +8,7 @@ pub const FOLD: Fold = Fold {
     name: "average",
     cite: "plain mip filtering",
     about: "mean normal, mean perceptual roughness: what engines do; the baseline",
-    needs: Needs::NORMAL.and(Needs::PERCEPTUAL).and(Needs::TENSOR),
+    needs: Needs::NORMAL.and(Needs::PERCEPTUAL),
     isotropic: |row, out| row.isotropic(out, |m| (unit(m.normal()), m.perceptual().powi(4))),
-    anisotropic: Some(|row, out| row.anisotropic(out, |m| (unit(m.normal()), m.tensor()))),
+    anisotropic: None,
 };

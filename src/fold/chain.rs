@@ -28,7 +28,7 @@ pub struct Options {
     pub fold: &'static Fold,
     /// One width or two. A method without an anisotropic form gives one.
     pub form: Form,
-    /// Share of what the fold adds to the mean alpha^2: 0 nothing, 1 all of it.
+    /// Share of what the fold adds to the mean alpha^2: 0 nothing, 1 all of it; more exaggerates. `average` adds nothing.
     pub strength: f32,
     /// Smallest width written in any level but the first.
     pub min_alpha: Alpha,

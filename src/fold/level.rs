@@ -1,5 +1,6 @@
 //! One mip level on its way out: rows of moments become rows of lobes and of plain channels.
 
+use glam::Vec3;
 use ndarray::{Array3, ArrayViewMut3, Axis};
 
 use super::{LobeRow, MomentRow, Options};
@@ -103,24 +104,25 @@ impl Band<'_> {
     }
 }
 
-/// Strength and bounds: `R = base + strength (fold - base)`, eigenvalues clamped.
+/// Strength and bounds: `R = base + strength (fold - base)`, eigenvalues clamped. A fold that does not start from the
+/// mean tensor adds nothing to it that could be scaled.
 fn limit(options: &Options, form: Form, row: &MomentRow, out: &mut LobeRow) {
-    let [_, _, nz, xx, xy, yy] = &mut out.planes;
+    let [nx, ny, nz, xx, xy, yy] = &mut out.planes;
     let (low, high) = (options.min_alpha.squared(), options.max_alpha.squared());
     let n = nz.len();
-    let [bxx, bxy, byy] = [0, 1, 2].map(|i| &row.plane(plane::TENSOR + i)[..n]);
     let (xx, xy, yy) = (&mut xx[..n], &mut xy[..n], &mut yy[..n]);
     let k = options.strength;
-    if k != 1.0 {
+    if k != 1.0 && options.fold.needs.has(plane::TENSOR) {
+        let [bxx, bxy, byy] = [0, 1, 2].map(|i| &row.plane(plane::TENSOR + i)[..n]);
         for i in 0..n {
             let base = RoughnessTensor { xx: bxx[i], xy: bxy[i], yy: byy[i] };
-            let base = if form == Form::Isotropic {
-                RoughnessTensor { xx: base.mean(), xy: 0.0, yy: base.mean() }
-            } else {
-                base
+            let base = match form {
+                Form::Isotropic => RoughnessTensor { xx: base.mean(), xy: 0.0, yy: base.mean() },
+                Form::Anisotropic => base.to_bent(Vec3::new(nx[i], ny[i], nz[i])),
             };
-            let mix = |base: f32, folded: f32| base + k * (folded - base);
-            (xx[i], xy[i], yy[i]) = (mix(base.xx, xx[i]), mix(base.xy, xy[i]), mix(base.yy, yy[i]));
+            let folded = RoughnessTensor { xx: xx[i], xy: xy[i], yy: yy[i] };
+            let mixed = base + (folded - base) * k;
+            (xx[i], xy[i], yy[i]) = (mixed.xx, mixed.xy, mixed.yy);
         }
     }
     if form == Form::Isotropic {

@@ -23,6 +23,8 @@ pub fn built_files(folder: &Path) -> Option<Vec<String>> {
     }
     let text = std::fs::read(folder.join(MANIFEST)).ok()?;
     let manifest: Manifest = serde_json::from_slice(&text).ok()?;
-    let files = manifest.maps.into_iter().flat_map(|map| map.files);
+    // The manifest may have been edited: names that leave the folder are nobody's.
+    let inside = |file: &String| Path::new(file).components().count() == 1 && Path::new(file).file_name().is_some();
+    let files = manifest.maps.into_iter().flat_map(|map| map.files).filter(inside);
     (manifest.generator == GENERATOR).then(|| files.chain([MANIFEST.to_owned()]).collect())
 }

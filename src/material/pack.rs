@@ -12,9 +12,9 @@ use crate::roughness::Alpha;
 /// How channels are written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Encoding {
-    /// 0..1, as integer files hold: normals and directions as `0.5 + 0.5 v`.
+    /// 0..1, as integer files hold: normals as `0.5 + 0.5 v`.
     Unsigned,
-    /// As float files hold: normals as -1..1, everything else as 0..1.
+    /// As float files hold: normals as -1..1, everything else as 0..1 (directions of anisotropy too, as glTF has them).
     Signed,
 }
 
@@ -66,7 +66,7 @@ impl<'a> LevelView<'a> {
                         for (i, out) in out.iter_mut().enumerate() {
                             let xy = if lobes.form() == Form::Isotropic { 0.0 } else { xy[i] };
                             let axes = RoughnessTensor { xx: xx[i], xy, yy: yy[i] }.axes();
-                            *out = anisotropic(role, axes, encoding);
+                            *out = anisotropic(role, axes);
                         }
                     }
                 }
@@ -177,10 +177,10 @@ fn own_pixels(file: &MapFile, role: Role, encoding: Encoding, out: &mut [f32]) {
 
 /// What a channel holds for a lobe of two widths: the smaller width as roughness, and glTF's strength and direction.
 /// From `alpha_t = mix(alpha, 1, strength^2)`: `strength = sqrt((alpha_t - alpha) / (1 - alpha))`.
-fn anisotropic(role: Role, axes: Axes, encoding: Encoding) -> f32 {
+fn anisotropic(role: Role, axes: Axes) -> f32 {
     let Axes { alpha_x: Alpha(along), alpha_y: Alpha(across), angle } = axes;
     let (sin, cos) = angle.sin_cos();
-    let direction = |v: f32| if encoding == Encoding::Signed { v } else { 0.5 + 0.5 * v };
+    let direction = |v: f32| 0.5 + 0.5 * v;
     match role {
         Role::Roughness => across.sqrt(),
         Role::Smoothness => 1.0 - across.sqrt(),
@@ -219,8 +219,8 @@ mod tests {
         #[test]
         fn gltf_strength_gives_the_larger_width_back(a in 0.01f32..0.99, ratio in 0.0f32..1.0) {
             let axes = Axes { alpha_x: Alpha(a), alpha_y: Alpha(a * ratio), angle: 0.3 };
-            let strength = anisotropic(Role::AnisotropyStrength, axes, Encoding::Signed);
-            let alpha = anisotropic(Role::Roughness, axes, Encoding::Signed).powi(2);
+            let strength = anisotropic(Role::AnisotropyStrength, axes);
+            let alpha = anisotropic(Role::Roughness, axes).powi(2);
             let along = alpha + (1.0 - alpha) * strength * strength;
             prop_assert!((along - a).abs() < 1e-5 && (alpha - a * ratio).abs() < 1e-6);
         }

@@ -1,6 +1,7 @@
 //! Bringing maps of one set to one size.
 
 use ndarray::Array3;
+use rayon::prelude::*;
 
 use crate::image::{Raster, Samples, Size, Wrap};
 
@@ -10,18 +11,37 @@ pub(super) fn enlarge(raster: &Raster, size: Size, wrap: Wrap) -> Raster {
     let from = raster.size();
     let across = taps(from.width, size.width, wrap);
     let down = taps(from.height, size.height, wrap);
-    let sample = |x: usize, y: usize, c: usize| {
-        let ((x0, x1, fx), (y0, y1, fy)) = (across[x], down[y]);
+    let channels = raster.channels.len();
+    // One row of the target, all channels.
+    let row = |y: usize| {
+        let (y0, y1, fy) = down[y];
         let mix = |a: f32, b: f32, t: f32| a + t * (b - a);
-        let row = |y| mix(raster.at(x0, y, c), raster.at(x1, y, c), fx);
-        mix(row(y0), row(y1), fy)
+        let mut source = vec![0.0; from.width];
+        let mut out = vec![0.0; size.width * channels];
+        for c in 0..channels {
+            raster.read(c, y0, 0, &mut source);
+            let upper: Vec<f32> = across.iter().map(|&(x0, x1, fx)| mix(source[x0], source[x1], fx)).collect();
+            raster.read(c, y1, 0, &mut source);
+            for (x, &(x0, x1, fx)) in across.iter().enumerate() {
+                out[x * channels + c] = mix(upper[x], mix(source[x0], source[x1], fx), fy);
+            }
+        }
+        out
     };
-    let dim = (size.height, size.width, raster.channels.len());
+    let dim = (size.height, size.width, channels);
+    let rows = (0..size.height).into_par_iter();
     let samples = match raster.samples {
-        Samples::F32(_) => Samples::F32(Array3::from_shape_fn(dim, |(y, x, c)| sample(x, y, c))),
-        _ => Samples::U16(Array3::from_shape_fn(dim, |(y, x, c)| (sample(x, y, c) * 65535.0).round() as u16)),
+        Samples::F32(_) => Samples::F32(array(dim, rows.flat_map_iter(row).collect())),
+        _ => {
+            let round = |v: f32| (v * 65535.0).round() as u16;
+            Samples::U16(array(dim, rows.flat_map_iter(|y| row(y).into_iter().map(round)).collect()))
+        }
     };
     Raster { samples, channels: raster.channels.clone() }
+}
+
+fn array<T>(dim: (usize, usize, usize), samples: Vec<T>) -> Array3<T> {
+    Array3::from_shape_vec(dim, samples).expect("one row a row")
 }
 
 /// For each target texel: two source texels and the share of the second.

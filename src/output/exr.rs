@@ -13,6 +13,9 @@ pub fn view<'a>(material: &'a Material, chain: &'a Chain, k: usize) -> LevelView
     LevelView { material, folded }
 }
 
+/// What is larger would become infinite.
+const LARGEST_HALF: f32 = 65504.0;
+
 /// All levels of a map, in its own channels; normals signed.
 pub fn write_map(
     out: impl Write + Seek,
@@ -25,6 +28,9 @@ pub fn write_map(
         material.maps[map].raster.channels.iter().map(|name| Channel { name: name.clone(), depth }).collect();
     write_exr(out, &channels, material.size, &|level, channel, y, x, row| {
         view(material, chain, level).row(map, channel, Encoding::Signed, y, x, row);
+        if depth == Depth::Half {
+            row.iter_mut().for_each(|v| *v = v.clamp(-LARGEST_HALF, LARGEST_HALF));
+        }
     })
 }
 

@@ -1,7 +1,5 @@
 //! What was built, for other programs and for `compare`.
 
-use std::path::PathBuf;
-
 use serde::Serialize;
 
 use super::exr::{LOBE_CHANNELS, MOMENT_CHANNELS, role_name};
@@ -42,7 +40,8 @@ pub struct Manifest {
 /// An input file.
 #[derive(Debug, Serialize)]
 pub struct Input {
-    path: PathBuf,
+    /// As given; what is not Unicode in it is replaced.
+    path: String,
     sha256: String,
     format: &'static str,
     size: Size,
@@ -116,7 +115,7 @@ fn inputs(material: &Material) -> Vec<Input> {
     files
         .filter_map(|(i, map)| match &map.origin {
             Origin::File { path, sha256, size, format, derived, .. } => Some(Input {
-                path: path.clone(),
+                path: path.to_string_lossy().into_owned(),
                 sha256: sha256.clone(),
                 format,
                 size: *size,
@@ -149,7 +148,7 @@ fn maps(material: &Material, chain: &Chain, plan: &Plan, request: &Request) -> V
                     encoding,
                     channels: channels(material, map),
                     levels: levels.clone(),
-                    level_0: level_0(file, container),
+                    level_0: level_0(file, encoding),
                 });
             }
         }
@@ -174,12 +173,13 @@ fn maps(material: &Material, chain: &Chain, plan: &Plan, request: &Request) -> V
 }
 
 /// Where level 0 of a map comes from.
-fn level_0(file: &MapFile, container: Format) -> &'static str {
+fn level_0(file: &MapFile, encoding: &str) -> &'static str {
     match &file.origin {
         Origin::Generated(_) => "generated",
         Origin::File { derived: true, .. } => "derived from heights",
         Origin::File { size, .. } if *size != file.raster.size() => "the input, enlarged",
-        Origin::File { .. } if container == Format::Png && file.bits == 32 => "the input, rounded to 16 bit",
+        Origin::File { .. } if encoding == "unorm16" && file.bits == 32 => "the input, rounded to 16 bit",
+        Origin::File { .. } if encoding == "float16" => "the input, rounded to half floats",
         Origin::File { .. } => "the input's own pixels",
     }
 }

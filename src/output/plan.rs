@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::{MANIFEST, may_write};
 use crate::codec::Depth;
 use crate::error::{Error, Result};
-use crate::material::{Material, Origin};
+use crate::material::{MapFile, Material, Origin};
 
 /// A container.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
@@ -111,12 +111,14 @@ impl Plan {
     pub fn check(&self, material: &Material, request: &Request) -> Result<()> {
         for output in &self.outputs {
             let path = request.folder.join(&output.name);
-            for map in &material.maps {
-                if let Origin::File { path: input, .. } = &map.origin
-                    && same_file(input, &path)
-                {
-                    return Err(Error::invalid(&path, "an output that is also an input", "another folder for -o"));
-                }
+            if reads(material, &path) {
+                return Err(Error::invalid(&path, "an output that is also an input", "another folder for -o"));
+            }
+            if let Content::Level { map, .. } = output.content
+                && material.maps[map].roles.len() > 4
+            {
+                let found = format!("{} channels", material.maps[map].roles.len());
+                return Err(Error::unsupported(&path, found, "up to 4 in a PNG; --format exr holds more"));
             }
         }
         let names = self.outputs.iter().map(|output| output.name.as_str());
@@ -133,6 +135,12 @@ pub fn png_name(stem: &str, level: usize) -> String {
 pub fn safe_name(name: &str) -> String {
     let safe: String = name.chars().map(|c| if c.is_alphanumeric() || "-_.".contains(c) { c } else { '_' }).collect();
     if safe.trim_matches('.').is_empty() { "material".into() } else { safe }
+}
+
+/// Whether a file is an input of the material.
+pub fn reads(material: &Material, file: &Path) -> bool {
+    let input = |map: &MapFile| matches!(&map.origin, Origin::File { path, .. } if same_file(path, file));
+    material.maps.iter().any(input)
 }
 
 fn same_file(a: &Path, b: &Path) -> bool {

@@ -39,12 +39,15 @@ impl Stage {
     pub fn write(&self, name: &str, fill: impl FnOnce(&mut BufWriter<&fs::File>) -> std::io::Result<()>) -> Result<()> {
         let path = self.folder.join(name);
         let staged = || -> std::io::Result<NamedTempFile> {
-            let file = tempfile::Builder::new().prefix(".mipfold-").tempfile_in(&self.folder)?;
+            let mut builder = tempfile::Builder::new();
+            #[cfg(unix)]
+            // Outputs are no secrets: as open as the user's umask has it.
+            builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+            let file = builder.prefix(".mipfold-").tempfile_in(&self.folder)?;
             let mut out = BufWriter::with_capacity(1 << 18, file.as_file());
             fill(&mut out)?;
             out.flush()?;
             drop(out);
-            readable_by_all(file.as_file())?;
             Ok(file)
         };
         let file = staged().map_err(|e| Error::io(&path, e))?;
@@ -52,11 +55,12 @@ impl Stage {
         Ok(())
     }
 
-    /// Gives all files their names; the one called `last` comes last, so that it speaks for finished files only.
+    /// Gives all files their names; the one called `last` comes last, so that it speaks for finished files only. Then
+    /// files called `stale`, which an earlier build left here and this one does not renew, are removed.
     ///
     /// # Errors
     /// A name that cannot be given; then files that replaced nothing are removed again.
-    pub fn commit(mut self, last: &str) -> Result<()> {
+    pub fn commit(mut self, last: &str, stale: &[String]) -> Result<()> {
         let mut files = std::mem::take(self.files.get_mut().expect("no writer panics"));
         files.sort_by_key(|(_, path)| path.ends_with(last));
         let mut new = Vec::new();
@@ -70,18 +74,19 @@ impl Stage {
                 new.push(path);
             }
         }
+        stale.iter().for_each(|name| drop(fs::remove_file(self.folder.join(name))));
         self.made.clear();
         Ok(())
     }
 }
 
 /// Whether files of these names may be written into a folder: nothing but a regular file stands in the way, and what
-/// is there was written by an earlier build of ours, or `force` allows to replace it.
+/// is there is in the manifest of an earlier build, or `force` allows to replace it.
 ///
 /// # Errors
 /// [`Error::Invalid`] that names the first file in the way.
 pub fn may_write<'a>(folder: &Path, names: impl IntoIterator<Item = &'a str>, force: bool) -> Result<()> {
-    let ours = force || built_files(folder).is_some();
+    let ours = built_files(folder).unwrap_or_default();
     for name in names {
         let path = folder.join(name);
         match path.metadata() {
@@ -89,25 +94,13 @@ pub fn may_write<'a>(folder: &Path, names: impl IntoIterator<Item = &'a str>, fo
             Ok(there) if !there.is_file() => {
                 return Err(Error::invalid(&path, "something that is not a file", "a free place; choose another -o"));
             }
-            Ok(_) if !ours => {
+            Ok(_) if !force && !ours.iter().any(|file| file == name) => {
                 let expected = "a folder of its own, or --force to replace it";
                 return Err(Error::invalid(&path, "a file that mipfold did not write", expected));
             }
             Ok(_) => {}
         }
     }
-    Ok(())
-}
-
-/// Temporary files are private; outputs are not.
-#[cfg(unix)]
-fn readable_by_all(file: &fs::File) -> std::io::Result<()> {
-    use std::os::unix::fs::PermissionsExt;
-    file.set_permissions(fs::Permissions::from_mode(0o644))
-}
-
-#[cfg(not(unix))]
-fn readable_by_all(_: &fs::File) -> std::io::Result<()> {
     Ok(())
 }
 
@@ -146,7 +139,7 @@ mod tests {
         let stage = Stage::new(root.path()).unwrap();
         stage.write("one.png", |out| out.write_all(b"new")).unwrap();
         assert_eq!(fs::read(root.path().join("one.png")).unwrap(), b"old");
-        stage.commit("manifest.json").unwrap();
+        stage.commit("manifest.json", &[]).unwrap();
         assert_eq!(fs::read(root.path().join("one.png")).unwrap(), b"new");
         assert_eq!(fs::read_dir(root.path()).unwrap().count(), 1);
     }

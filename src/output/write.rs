@@ -6,12 +6,12 @@ use rayon::prelude::*;
 
 use super::exr::{view, write_lobes, write_map, write_moments};
 use super::manifest::Manifest;
-use super::plan::{Content, Plan, Request};
+use super::plan::{self, Content, Plan, Request};
 use super::{MANIFEST, Stage};
 use crate::codec::write_png;
 use crate::error::Result;
 use crate::fold::{Chain, Options};
-use crate::material::{MapFile, Material, Origin};
+use crate::material::{MapFile, Material, Origin, built_files};
 
 /// Writes all files of a plan and the manifest, side by side. Either all appear or none; `done` is called after each.
 ///
@@ -26,6 +26,7 @@ pub fn write(
     done: &(dyn Fn() + Sync),
 ) -> Result<()> {
     plan.check(material, request)?;
+    let earlier = built_files(&request.folder).unwrap_or_default();
     let stage = Stage::new(&request.folder)?;
     plan.outputs.par_iter().try_for_each(|output| {
         stage.write(&output.name, |out| match output.content {
@@ -43,7 +44,10 @@ pub fn write(
     let manifest = Manifest::new(material, chain, options, plan, request);
     let text = serde_json::to_string_pretty(&manifest).expect("plain data");
     stage.write(MANIFEST, |out| out.write_all(text.as_bytes()).and_then(|()| out.write_all(b"\n")))?;
-    stage.commit(MANIFEST)
+    let renewed = |name: &String| name == MANIFEST || plan.outputs.iter().any(|output| output.name == *name);
+    let input = |name: &String| plan::reads(material, &request.folder.join(name));
+    let stale: Vec<_> = earlier.into_iter().filter(|name| !renewed(name) && !input(name)).collect();
+    stage.commit(MANIFEST, &stale)
 }
 
 /// The input file, where it can stand for level 0 as it is: a plain PNG of the material's size.
