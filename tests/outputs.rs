@@ -81,6 +81,42 @@ fn no_two_outputs_share_a_name() {
     assert_eq!(names(&out).len(), 4, "{:?}", names(&out));
 }
 
+/// What an earlier build left and this one does not renew goes; what others put there stays.
+#[test]
+fn a_rebuild_leaves_no_stale_levels_and_no_strangers_harmed() {
+    let desk = Desk::empty();
+    bumps(&desk.at("wall.png"), (64, 64));
+    let out = desk.build("out", "--normal @wall.png");
+    desk.file("out/stone_mip0.png", b"mine");
+    bumps(&desk.at("wall.png"), (16, 16));
+    desk.build("out", "--normal @wall.png");
+    let of = |map: &str| names(&out).iter().filter(|name| name.starts_with(map)).count();
+    assert_eq!((of("wall"), of("roughness"), of("stone")), (5, 5, 1), "{:?}", names(&out));
+    desk.build("out", "--normal @wall.png --format exr");
+    assert_eq!((of("wall"), of("roughness"), of("stone")), (2, 1, 1), "{:?}", names(&out));
+    bumps(&desk.at("stone.png"), (16, 16));
+    desk.refuses("--normal @stone.png -o @out", "@out/stone_mip0.png");
+    assert_eq!(std::fs::read(desk.at("out/stone_mip0.png")).unwrap(), b"mine");
+}
+
+/// Links that lead back are followed once, and names that are no Unicode are no panic.
+#[cfg(target_os = "linux")]
+#[test]
+fn odd_folders_and_names_are_no_trap() {
+    use std::os::unix::ffi::OsStrExt;
+    let desk = Desk::empty();
+    std::fs::create_dir_all(desk.at("sets/a")).unwrap();
+    bumps(&desk.at("sets/a/normal.png"), (8, 8));
+    std::os::unix::fs::symlink(desk.at("sets"), desk.at("sets/back")).unwrap();
+    let (code, stderr) = desk.run("build @sets -o @out");
+    assert_eq!((code, stderr.as_str()), (Some(0), ""));
+    assert!(desk.at("out/manifest.json").exists());
+    std::fs::create_dir(desk.at("odd")).unwrap();
+    let odd = desk.at("odd").join(std::ffi::OsStr::from_bytes(b"\xff\xfe_normal.png"));
+    bumps(&odd, (8, 8));
+    assert_eq!(desk.run("build @odd -o @odd-out --json"), (Some(0), String::new()));
+}
+
 /// Outputs beside the inputs are not taken for inputs by the next build.
 #[test]
 fn building_a_folder_into_itself_twice_changes_nothing() {

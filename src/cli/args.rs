@@ -7,7 +7,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use crate::codec::Depth;
 use crate::fold::{DEFAULT_FOLD, FOLDS, Fold, Options};
 use crate::image::Wrap;
-use crate::material::{DEFAULT_HEIGHT_SCALE, DEFAULT_ROUGHNESS, NormalY, NormalZ};
+use crate::material::{DEFAULT_HEIGHT_SCALE, DEFAULT_ROUGHNESS, NormalRange, NormalY, NormalZ};
 use crate::ndf::Form;
 use crate::output::Format;
 use crate::roughness::Alpha;
@@ -97,7 +97,7 @@ pub struct MapArgs {
     #[arg(long, value_name = "FILE[:r|g|b|a]|NUMBER", help = format!(
         "Perceptual roughness: a map, a channel of one (orm.png:g), or one number [default: {}]", DEFAULT_ROUGHNESS.0))]
     pub roughness: Option<String>,
-    /// Gloss or smoothness (1 - roughness): a map or a channel of one (mask.png:a)
+    /// Gloss or smoothness (1 - roughness): a map, a channel of one (mask.png:a), or one number
     #[arg(
         long,
         alias = "smoothness",
@@ -129,8 +129,11 @@ pub struct ReadingArgs {
     /// Where z comes from: stored, rebuilt from x and y, or auto: stored if there is a third channel
     #[arg(long, value_enum, default_value = "auto")]
     pub normal_z: NormalZ,
-    /// Normal strength that the renderer applies (glTF's normalTexture.scale)
-    #[arg(long, value_name = "K", default_value = "1", value_parser = positive)]
+    /// How a float file stores normals: signed (-1..1), unsigned (0..1), or auto: whichever is more nearly unit
+    #[arg(long, value_enum, default_value = "auto", value_name = "RANGE")]
+    pub normal_range: NormalRange,
+    /// Normal strength that the renderer applies (glTF's normalTexture.scale), 0.001 to 1000
+    #[arg(long, value_name = "K", default_value = "1", value_parser = scale)]
     pub normal_scale: f32,
     #[arg(long, value_name = "H", value_parser = positive,
           help = format!("Height of white over black, in widths of the texture [default: {DEFAULT_HEIGHT_SCALE}]"))]
@@ -149,7 +152,7 @@ pub struct FoldArgs {
     /// there is an anisotropy map]
     #[arg(long, value_enum)]
     pub lobes: Option<LobesArg>,
-    /// Share of the lost bumps that is folded in: 0 none, 1 all
+    /// Share of the lost bumps that is folded in: 0 none, 1 all; more exaggerates
     #[arg(long, value_name = "S", default_value = "1", value_parser = not_negative)]
     pub strength: f32,
     /// Smallest alpha (perceptual roughness squared) in any level but the first
@@ -258,6 +261,10 @@ fn number(text: &str, ok: impl Fn(f32) -> bool, expected: &str) -> Result<f32, S
 
 fn positive(text: &str) -> Result<f32, String> {
     number(text, |v| v > 0.0, "a number above 0")
+}
+
+fn scale(text: &str) -> Result<f32, String> {
+    number(text, |v| (0.001..=1000.0).contains(&v), "a number from 0.001 to 1000")
 }
 
 fn not_negative(text: &str) -> Result<f32, String> {

@@ -60,6 +60,7 @@ fn read_as(set: Inputs, args: &BuildArgs) -> Inputs {
     Inputs {
         name: args.maps.name.clone().unwrap_or(set.name),
         normal_z: args.reading.normal_z,
+        normal_range: args.reading.normal_range,
         normal_scale: Some(args.reading.normal_scale),
         height_scale: args.reading.height_scale,
         wrap: args.reading.wrap.into(),
@@ -72,7 +73,7 @@ fn single(maps: &MapArgs, normal_y: NormalY) -> Result<Inputs> {
     let orm = maps.orm.as_ref().map(|path| ChannelRef { path: path.clone(), channel: Some(1) });
     let roughness = match (&maps.roughness, &maps.gloss, orm) {
         (Some(text), _, _) => roughness(text)?,
-        (_, Some(text), _) => RoughnessInput::Smoothness(ChannelRef::parse(text)),
+        (_, Some(text), _) => smoothness(text)?,
         (_, _, Some(orm)) => RoughnessInput::Roughness(orm),
         _ => RoughnessInput::Missing,
     };
@@ -100,6 +101,15 @@ fn roughness(text: &str) -> Result<RoughnessInput> {
         Ok(r) if (0.0..=1.0).contains(&r) => Ok(RoughnessInput::Constant(PerceptualRoughness(r))),
         Ok(r) => Err(Error::invalid_option("--roughness", r.to_string(), "a number from 0 to 1, or a file")),
         Err(_) => Ok(RoughnessInput::Roughness(ChannelRef::parse(text))),
+    }
+}
+
+/// The same, for gloss.
+fn smoothness(text: &str) -> Result<RoughnessInput> {
+    match text.parse::<f32>() {
+        Ok(s) if (0.0..=1.0).contains(&s) => Ok(RoughnessInput::Constant(PerceptualRoughness::from_smoothness(s))),
+        Ok(s) => Err(Error::invalid_option("--gloss", s.to_string(), "a number from 0 to 1, or a file")),
+        Err(_) => Ok(RoughnessInput::Smoothness(ChannelRef::parse(text))),
     }
 }
 

@@ -137,7 +137,7 @@ proptest! {
         let grid = Grid { size: Size::new(4, 4), texels: texels.iter().map(|&(x, y, z, r)| {
             let n = Vec3::new(x.signum() * x.abs().powf(0.1), y, z * z * z + 1e-7).normalize();
             (n, if r < 0.2 { 0.0 } else { r }, if r > 0.9 { 0.0 } else { 1.0 })
-        }).collect() };
+        }).collect(), tensor: None };
         for (fold, form) in all() {
             for level in chain(&grid, &Options { fold, form, ..Options::default() }).levels {
                 for y in 0..level.lobes.size().height {
@@ -202,6 +202,8 @@ fn narrow_gaussian_slopes_give_the_stated_alpha() {
 struct Grid {
     size: Size,
     texels: Vec<(Vec3, f32, f32)>,
+    /// The base lobes' tensor, where it is not the isotropic one of the roughness.
+    tensor: Option<RoughnessTensor>,
 }
 
 impl Grid {
@@ -221,7 +223,7 @@ impl Grid {
                 (n, 0.1 + 0.8 * next(), if next() < 0.1 { 0.0 } else { 1.0 })
             })
             .collect();
-        Self { size, texels }
+        Self { size, texels, tensor: None }
     }
 }
 
@@ -240,6 +242,17 @@ impl Texels for Grid {
 
     fn perceptual(&self, y: usize, x: usize, out: &mut [f32]) {
         (0..out.len()).for_each(|i| out[i] = self.at(x + i, y).1);
+    }
+
+    fn is_anisotropic(&self) -> bool {
+        self.tensor.is_some()
+    }
+
+    fn tensors(&self, _: usize, _: usize, _: &[f32], [xx, xy, yy]: [&mut [f32]; 3]) {
+        let tensor = self.tensor.unwrap();
+        xx.fill(tensor.xx);
+        xy.fill(tensor.xy);
+        yy.fill(tensor.yy);
     }
 
     fn extras(&self) -> usize {
@@ -322,6 +335,21 @@ fn strength_and_bounds() {
         assert!((bounded.alpha_y.0 - 0.9).abs() < 1e-5);
         let bounded = top(&Options { form, max_alpha: Alpha(0.1), ..Options::default() }).axes();
         assert!((bounded.alpha_x.0 - 0.1).abs() < 1e-5);
+    }
+}
+
+#[test]
+fn a_constant_tilted_anisotropic_texture_stays_itself_at_any_strength() {
+    let axes = Axes { alpha_x: Alpha(0.65), alpha_y: Alpha(0.09), angle: 0.3 };
+    let lobe = Lobe { normal: Vec3::new(0.5, 0.4, 0.7).normalize(), roughness: RoughnessTensor::from_axes(axes) };
+    let grid = Grid { size: Size::new(8, 8), texels: vec![(lobe.normal, 0.3, 1.0); 64], tensor: Some(lobe.roughness) };
+    for (fold, form) in all().filter(|(_, form)| *form == Form::Anisotropic) {
+        for strength in [0.0, 0.5, 1.0, 2.0] {
+            for level in chain(&grid, &Options { fold, form, strength, ..Options::default() }).levels {
+                let error = distance(&lobe, &level.lobes.at(0, 0));
+                assert!(error < 2e-5, "{} at strength {strength}: {error}", fold.name);
+            }
+        }
     }
 }
 

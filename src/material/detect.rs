@@ -1,10 +1,10 @@
 //! Which file is which, by name.
 //!
 //! Names are cut into words at punctuation, at a lower-case letter before a capital, and at digits; a role word may
-//! stand anywhere (`brown_mud_Nor_8k`, `Metal009_2K_NormalDX`), and the longest run of words that means something
-//! wins. Nothing is guessed between two candidates: that is an error that lists them and names the flag.
+//! stand anywhere (`brown_mud_Nor_8k`, `Metal009_2K_NormalDX`), and the last run of words that means something wins
+//! (`rough_wood_normal`). Nothing is guessed between two candidates: that is an error that lists them and names the flag.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use super::NormalY;
 use super::built::built_files;
@@ -19,6 +19,8 @@ enum Kind {
     Smoothness,
     /// A packed map with perceptual roughness in this channel.
     Packed(usize),
+    /// A packed map with smoothness in this channel.
+    PackedSmoothness(usize),
     /// Normals in RGB, roughness in alpha.
     NormalRoughness,
     Anisotropy,
@@ -45,6 +47,7 @@ const WORDS: &[(&[&str], Kind)] = &[
     (&["mra", "mrao"], Packed(1)),
     (&["rma", "rmo"], Packed(0)),
     (&["normalroughness", "nrmrgh", "nrmrough", "normrough"], NormalRoughness),
+    (&["metallicsmoothness", "metallicgloss", "maskmap"], PackedSmoothness(3)),
     (&["anisotropy", "aniso", "anisotropic"], Anisotropy),
     (&["height", "heightmap", "displacement", "disp", "h"], Height),
     (&["basecolor", "basecolour", "albedo", "diffuse", "diff", "color", "colour", "col", "alb"], Ignored),
@@ -95,10 +98,11 @@ fn meaning_of(stem: &str) -> Option<Meaning> {
             let joined: String = words[start..end].iter().map(|(word, _)| word.as_str()).collect();
             let single = joined.len() == 1;
             let Some((_, kind)) = WORDS.iter().find(|(names, _)| names.contains(&joined.as_str())) else { continue };
-            // A single letter last, and only if it ends the name; then the longest run, of equals one that is ours,
-            // of those the last.
-            let rank = (!single, end - start, *kind != Ignored);
-            if (!single || end == words.len()) && best.as_ref().is_none_or(|(old, _, _)| rank >= *old) {
+            // What ends last says what the map is; before it stands the material's own name, which may hold such
+            // words too. Of those that end together, the longest.
+            let rank = (end, end - start);
+            let last = end == words.len() && start > 0 && words[start - 1].0 != "in";
+            if (!single || last || words.len() == 1) && best.as_ref().is_none_or(|(old, _, _)| rank >= *old) {
                 best = Some((rank, start..end, *kind));
             }
         }
@@ -132,7 +136,7 @@ pub fn convention(path: &Path) -> Option<NormalY> {
 /// # Errors
 /// A folder that cannot be read, or holds no texture set at all.
 pub fn folder(folder: &Path, want: NormalY) -> Result<Vec<Result<Inputs>>> {
-    let found = sets_below(folder, want)?;
+    let found = sets_below(folder, want, &mut Vec::new())?;
     if found.is_empty() {
         let expected = "files named like NAME_normal.png, NAME_roughness.png or NAME_orm.png; or give them with \
                         --normal and --roughness";
@@ -141,7 +145,13 @@ pub fn folder(folder: &Path, want: NormalY) -> Result<Vec<Result<Inputs>>> {
     Ok(found)
 }
 
-fn sets_below(folder: &Path, want: NormalY) -> Result<Vec<Result<Inputs>>> {
+fn sets_below(folder: &Path, want: NormalY, seen: &mut Vec<PathBuf>) -> Result<Vec<Result<Inputs>>> {
+    // Links may lead back.
+    let place = folder.canonicalize().map_err(|e| Error::io(folder, e))?;
+    if seen.contains(&place) {
+        return Ok(Vec::new());
+    }
+    seen.push(place);
     let read = std::fs::read_dir(folder).map_err(|e| Error::io(folder, e))?;
     let paths: std::io::Result<Vec<_>> = read.map(|entry| Ok(entry?.path())).collect();
     let mut paths = paths.map_err(|e| Error::io(folder, e))?;
@@ -167,12 +177,28 @@ fn sets_below(folder: &Path, want: NormalY) -> Result<Vec<Result<Inputs>>> {
         set(folder, name, &files, want).transpose()
     });
     let mut found: Vec<_> = named.flatten().collect();
+    pass_over_widths_alone(&mut found);
     if found.is_empty() {
         for sub in paths.iter().filter(|path| path.is_dir()) {
-            found.extend(sets_below(sub, want)?);
+            found.extend(sets_below(sub, want, seen)?);
         }
     }
     Ok(found)
+}
+
+/// A roughness map whose name no normal map shares is not a material, where others are: it would only be averaged.
+fn pass_over_widths_alone(found: &mut Vec<Result<Inputs>>) {
+    let bumpy = |set: &Result<Inputs>| set.as_ref().map_or(true, |set| set.normal.is_some() || set.height.is_some());
+    if !found.iter().any(bumpy) {
+        return;
+    }
+    let alone: Vec<String> =
+        found.iter().filter(|set| !bumpy(set)).filter_map(|set| Some(set.as_ref().ok()?.name.clone())).collect();
+    found.retain(bumpy);
+    if let (Some(Ok(first)), false) = (found.first_mut(), alone.is_empty()) {
+        let names = alone.join(", ");
+        first.notes.push(format!("passed over, a roughness map without a normal map of its name: {names}"));
+    }
 }
 
 fn is_picture(path: &Path) -> bool {
@@ -214,22 +240,23 @@ impl Candidates<'_> {
 
     /// A roughness map before a packed one, a packed one before smoothness.
     fn roughness(&self) -> Result<RoughnessInput> {
-        let kinds: [(&str, &[Kind]); 4] = [
+        let kinds: [(&str, &[Kind]); 5] = [
             ("roughness", &[Roughness]),
             ("roughness", &[NormalRoughness]),
             ("packed", &[Packed(0), Packed(1)]),
             ("smoothness", &[Smoothness]),
+            ("packed smoothness", &[PackedSmoothness(3)]),
         ];
         for (what, kinds) in kinds {
-            let flag = if kinds == [Smoothness] { "--smoothness" } else { "--roughness" };
+            let flag = if what.ends_with("smoothness") { "--smoothness" } else { "--roughness" };
             let Some(mut file) = self.one(what, flag, |k| kinds.contains(&k))? else { continue };
             let kind = self.files.iter().find(|c| c.file.path == file.path).map(|c| c.kind);
             file.channel = file.channel.or(match kind {
                 Some(NormalRoughness) => Some(3),
-                Some(Packed(channel)) => Some(channel),
+                Some(Packed(channel) | PackedSmoothness(channel)) => Some(channel),
                 _ => None,
             });
-            let smooth = kind == Some(Smoothness);
+            let smooth = matches!(kind, Some(Smoothness | PackedSmoothness(_)));
             return Ok(if smooth { RoughnessInput::Smoothness(file) } else { RoughnessInput::Roughness(file) });
         }
         Ok(RoughnessInput::Missing)
@@ -301,6 +328,12 @@ mod tests {
             ("rock_metallicRoughness", Packed(1), "rock"),
             ("rust_RMA", Packed(0), "rust"),
             ("normal_dx", DIRECTX, ""),
+            ("rough_wood_nor_gl_1k", OPENGL, "rough_wood_1k"),
+            ("rough_wood_rough_1k", Roughness, "rough_wood_1k"),
+            ("rough_wood_diff_1k", Ignored, "rough_wood_1k"),
+            ("SmoothConcrete_Color", Ignored, "SmoothConcrete"),
+            ("T_Height_Marker_N", Normal(None), "T_Height_Marker"),
+            ("wall_MetallicSmoothness", PackedSmoothness(3), "wall"),
         ];
         for (stem, kind, material) in cases {
             let meaning = Meaning { kind, channel: None, material: material.into() };

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use super::{NormalY, NormalZ};
+use super::{NormalRange, NormalY, NormalZ};
 use crate::image::Wrap;
 use crate::roughness::PerceptualRoughness;
 
@@ -67,6 +67,8 @@ pub struct Inputs {
     pub normal_y: NormalY,
     /// Where z comes from.
     pub normal_z: NormalZ,
+    /// How a float file stores them; integer files always store 0..1.
+    pub normal_range: NormalRange,
     /// Strength that the renderer multiplies x and y of the normal with; `None` for 1.
     pub normal_scale: Option<f32>,
     /// Height of white over black in widths of the texture.

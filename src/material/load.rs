@@ -6,11 +6,12 @@ use rayon::prelude::*;
 
 use super::generate::distinct_stems;
 use super::source::{MapFile, Material, NormalSource, Origin};
-use super::{ChannelRef, DEFAULT_HEIGHT_SCALE, DEFAULT_ROUGHNESS, Inputs, NormalY, NormalZ, Role, RoughnessInput};
+use super::{ChannelRef, DEFAULT_HEIGHT_SCALE, DEFAULT_ROUGHNESS, Inputs, RoughnessInput};
+use super::{NormalRange, NormalY, NormalZ, Role};
 use super::{detect, height, resample};
 use crate::codec::{self, Decoded};
 use crate::error::{Error, Result};
-use crate::image::{Raster, Samples, Size};
+use crate::image::{Raster, Size};
 
 /// Reads all maps of a material and brings them to one size.
 ///
@@ -38,10 +39,14 @@ pub fn load_with(inputs: &Inputs, read: ReadPicture) -> Result<Material> {
     if normal.is_none() && height.is_none() && width.is_none() {
         return Err(Error::invalid_option(&inputs.name, "no maps", "a normal map, a height map or a roughness map"));
     }
+    if !(1e-3..=1e3).contains(&builder.material.normal_scale) {
+        let found = builder.material.normal_scale.to_string();
+        return Err(Error::invalid_option("normal scale", found, "a number from 0.001 to 1000"));
+    }
     builder.read_all([normal, width, inputs.anisotropy.as_deref()].into_iter().flatten())?;
     match (normal, height) {
         (Some(path), height) => {
-            builder.add_normal(path, inputs.normal_z)?;
+            builder.add_normal(path, inputs.normal_z, inputs.normal_range)?;
             if height.is_some() {
                 builder.note("the height map is not needed: there is a normal map");
             }
@@ -98,7 +103,7 @@ impl Builder<'_> {
     fn read_all<'a>(&mut self, paths: impl Iterator<Item = &'a Path>) -> Result<()> {
         let mut distinct: Vec<&Path> = Vec::new();
         paths.for_each(|path| {
-            if !distinct.contains(&path) {
+            if !distinct.iter().any(|other| same_path(other, path)) {
                 distinct.push(path);
             }
         });
@@ -132,7 +137,7 @@ impl Builder<'_> {
     }
 
     fn map_of(&self, path: &Path) -> usize {
-        self.paths.iter().position(|p| p == path).expect("read before")
+        self.paths.iter().position(|p| same_path(p, path)).expect("read before")
     }
 
     fn assign(&mut self, map: usize, channel: usize, role: Role) -> Result<()> {
@@ -145,7 +150,7 @@ impl Builder<'_> {
         Ok(())
     }
 
-    fn add_normal(&mut self, path: &Path, z: NormalZ) -> Result<()> {
+    fn add_normal(&mut self, path: &Path, z: NormalZ, range: NormalRange) -> Result<()> {
         let map = self.map_of(path);
         let raster = &self.material.maps[map].raster;
         let count = raster.channels.len();
@@ -164,20 +169,28 @@ impl Builder<'_> {
             NormalZ::Stored => true,
             NormalZ::Rebuild => false,
         };
-        let signed = is_signed(raster, if stored { 3 } else { 2 });
+        if count >= 3 && is_gray(raster) {
+            let expected = "three channels that differ (XYZ); a height map is given with --height";
+            return Err(Error::invalid(path, "a gray picture stored as colour, as normal map", expected));
+        }
         let floats = raster.bits() == 32;
+        let signed = floats
+            && match range {
+                NormalRange::Signed => true,
+                NormalRange::Unsigned => false,
+                NormalRange::Auto => off_unit(raster, stored, true) < off_unit(raster, stored, false),
+            };
         self.material.maps[map].signed = signed;
-        if floats {
-            let range = if signed { "-1..1" } else { "0..1" };
-            self.note(format!("float normals read as {range}, by the values found"));
+        if floats && range == NormalRange::Auto {
+            let (read, other) = if signed { ("-1..1", "unsigned") } else { ("0..1", "signed") };
+            self.note(format!(
+                "float normals read as {read}, which is more nearly unit; --normal-range {other} differs"
+            ));
         }
         let channels = [Some(0), Some(1), stored.then_some(2)];
         for (channel, role) in channels.into_iter().zip([Role::NormalX, Role::NormalY, Role::NormalZ]) {
             if let Some(channel) = channel {
                 self.assign(map, channel, role)?;
-            } else if count >= 3 {
-                // Present but not trusted: written again from the rebuilt z.
-                self.assign(map, 2, Role::NormalZ)?;
             }
         }
         let y = self.material.normal_y;
@@ -258,6 +271,12 @@ impl Builder<'_> {
 
     /// Brings all maps to the largest size, numbers the plain channels, and adds the maps that are missing.
     fn finish(mut self) -> Result<Material> {
+        // A third channel that is nothing else holds z, also where it was not trusted: it is written again.
+        if let Some(source) = &self.material.normal
+            && let Some(role @ Role::Other(_)) = self.material.maps[source.map].roles.get_mut(2)
+        {
+            *role = Role::NormalZ;
+        }
         let sizes: Vec<_> = self.material.maps.iter().map(|map| map.raster.size()).collect();
         let width = sizes.iter().map(|s| s.width).max().unwrap_or(1);
         let height = sizes.iter().map(|s| s.height).max().unwrap_or(1);
@@ -318,7 +337,7 @@ impl Builder<'_> {
         }
         for (count, what) in [
             (found.roughness_not_finite, "roughness values are not a number; taken as 1"),
-            (found.roughness_outside, "roughness values lie outside 0..1; clamped"),
+            (found.roughness_outside, "roughness values lie outside 0..1; the fold clamps them"),
             (found.others_not_finite, "values of other channels are not a number; taken as 0"),
         ] {
             if count > 0 {
@@ -329,14 +348,33 @@ impl Builder<'_> {
     }
 }
 
-/// Whether float normals are stored as -1..1: some x or y is clearly negative.
-fn is_signed(raster: &Raster, channels: usize) -> bool {
-    match &raster.samples {
-        Samples::F32(samples) => {
-            samples.outer_iter().any(|row| row.outer_iter().any(|t| t.iter().take(channels).any(|v| *v < -0.01)))
+/// Whether two spellings mean one file.
+fn same_path(a: &Path, b: &Path) -> bool {
+    a == b || matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b)
+}
+
+/// How far float normals are from unit under one reading: mean deviation of the length, or, where z is rebuilt, of
+/// x^2 + y^2 beyond 1, and the lean of the mean.
+fn off_unit(raster: &Raster, stored_z: bool, signed: bool) -> f64 {
+    let Size { width, height } = raster.size();
+    let decode = |v: f32| f64::from(if signed { v } else { 2.0 * v - 1.0 });
+    let mut rows = [vec![0.0; width], vec![0.0; width], vec![0.0; width]];
+    let (mut off, mut mean, mut count) = (0.0, [0.0; 2], 0.0);
+    for y in 0..height {
+        let channels = if stored_z { 3 } else { 2 };
+        rows.iter_mut().take(channels).enumerate().for_each(|(c, row)| raster.read(c, y, 0, row));
+        for x in 0..width {
+            let [vx, vy, vz] = rows.each_ref().map(|row| decode(row[x]));
+            let xy = vx * vx + vy * vy;
+            let error = if stored_z { ((xy + vz * vz).sqrt() - 1.0).abs() } else { (xy - 1.0).max(0.0) };
+            if error.is_finite() {
+                (off, count) = (off + error, count + 1.0);
+                (mean[0], mean[1]) = (mean[0] + vx, mean[1] + vy);
+            }
         }
-        _ => false,
     }
+    let lean = if stored_z { 0.0 } else { mean[0].abs() + mean[1].abs() };
+    if count > 0.0 { (off + lean) / count } else { f64::INFINITY }
 }
 
 /// Whether the first three channels are equal everywhere, within a JPEG's chroma error of two steps.
@@ -354,6 +392,7 @@ mod tests {
     use ndarray::Array3;
 
     use super::*;
+    use crate::image::Samples;
 
     #[test]
     fn gray_stored_as_colour_is_seen() {

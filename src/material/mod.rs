@@ -18,6 +18,6 @@ pub use inputs::{ChannelRef, DEFAULT_HEIGHT_SCALE, DEFAULT_ROUGHNESS, Inputs, Ro
 pub use inspect::Findings;
 pub use load::{ReadPicture, load, load_with};
 pub use pack::{Encoding, LevelView};
-pub use role::{NormalY, NormalZ, Role};
+pub use role::{NormalRange, NormalY, NormalZ, Role};
 pub use source::{MapFile, Material, Origin};
 pub use texels::Texels;

@@ -57,6 +57,19 @@ impl NormalY {
     }
 }
 
+/// How a float file stores normals.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "lowercase")]
+pub enum NormalRange {
+    /// Whichever reading makes the normals more nearly unit.
+    #[default]
+    Auto,
+    /// -1..1.
+    Signed,
+    /// 0..1, as integer files do.
+    Unsigned,
+}
+
 /// Where the z of a normal comes from.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "lowercase")]
