@@ -66,7 +66,7 @@ fn build(criterion: &mut Criterion) {
     let chain = chain(&material, &options);
     let view = |level: usize| {
         let folded = level.checked_sub(1).map(|i| (&chain.levels[i].lobes, &chain.levels[i].extras));
-        LevelView { material: &material, folded }
+        LevelView { material: &material, folded, main_axis: 0.0 }
     };
     let RoughnessInput::Roughness(roughness) = &inputs.roughness else { unreachable!() };
     let files = [inputs.normal.clone().unwrap(), roughness.path.clone()];

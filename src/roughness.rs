@@ -1,7 +1,8 @@
 //! The units of width, as types, and the only conversions between them.
 //!
 //! Public tools mix these up often (a file's perceptual value used as alpha, a variance added to the wrong
-//! square), so a width is never a bare float in this crate's public interface.
+//! square), so widths have types of their own here. Where rows of plain numbers are
+//! handed over for speed, their name says what they are: `perceptual`, or `alpha2` for a square.
 
 /// GGX or Beckmann width in slope units, 0 (mirror) to 1.
 #[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd)]

@@ -1,4 +1,5 @@
 //! The purpose of it all: seen from afar, the folded chain is closer to the truth than plain mips.
+#![allow(clippy::print_stdout)]
 
 use mipfold::codec::{decode, write_png};
 use mipfold::fold::{DEFAULT_FOLD, FOLDS, Fold, Options, base_lobes, chain};

@@ -214,7 +214,7 @@ fn every_material_of_the_textures_builds() {
     let srgb = warnings("defense_wall_srgb");
     assert!(srgb.len() == 1 && srgb[0].contains("looks sRGB-encoded"), "{srgb:?}");
     let directionless = warnings("copper_tiles_01");
-    let count = "803 of 4194304 texels (0.019 %) normals have no direction";
+    let count = "803 of 4194304 normals (0.019 %) have no direction";
     assert!(directionless.len() == 1 && directionless[0].contains(count), "{directionless:?}");
     let warned = materials.iter().filter(|m| m["warnings"].as_array().is_some_and(|w| !w.is_empty())).count();
     assert_eq!(warned, 2);

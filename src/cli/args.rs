@@ -66,7 +66,7 @@ fn fold_list() -> String {
 #[command(after_help = fold_list())]
 pub struct BuildArgs {
     /// Folders of texture sets, found by file name (NAME_normal.png, NAME_roughness.png, NAME_orm.png, ...)
-    #[arg(value_name = "FOLDER", conflicts_with_all = ["normal", "roughness", "gloss", "orm", "height", "anisotropy"])]
+    #[arg(value_name = "FOLDER", conflicts_with_all = ["normal", "orm", "height", "anisotropy"])]
     pub inputs: Vec<PathBuf>,
     /// Folder for the outputs; several materials get a folder each below it
     #[arg(long, short, value_name = "DIR")]
@@ -124,7 +124,7 @@ pub struct MapArgs {
 #[command(next_help_heading = "How to read them")]
 pub struct ReadingArgs {
     /// Which way the normal map's green points: opengl is up (+Y), directx is down (-Y)
-    #[arg(long, value_enum, default_value = "opengl", value_name = "CONVENTION")]
+    #[arg(long, value_enum, ignore_case = true, default_value = "opengl", value_name = "CONVENTION")]
     pub normal_y: NormalY,
     /// Where z comes from: stored, rebuilt from x and y, or auto: stored if there is a third channel
     #[arg(long, value_enum, default_value = "auto")]
@@ -251,7 +251,10 @@ impl BuildArgs {
 }
 
 fn fold_name(name: &str) -> Result<&'static Fold, String> {
-    Fold::by_name(name).map_err(|e| e.to_string())
+    Fold::by_name(name).map_err(|_| {
+        let names: Vec<_> = FOLDS.iter().map(|fold| fold.name).collect();
+        format!("expected one of {}", names.join(", "))
+    })
 }
 
 fn number(text: &str, ok: impl Fn(f32) -> bool, expected: &str) -> Result<f32, String> {

@@ -15,7 +15,7 @@ use crate::roughness::PerceptualRoughness;
 
 pub fn run(args: &BuildArgs, global: &Global, report: &mut Report) -> Result<()> {
     let options = args.folding.options(args.moments)?;
-    let found = if args.inputs.is_empty() { vec![single(&args.maps, args.reading.normal_y)] } else { folders(args)? };
+    let found = if args.inputs.is_empty() { vec![single(&args.maps, args.reading.normal_y)] } else { folders(args) };
     let alone = found.len() == 1;
     if args.maps.name.is_some() && !alone {
         let expected = "one material; several are named after their files";
@@ -24,7 +24,7 @@ pub fn run(args: &BuildArgs, global: &Global, report: &mut Report) -> Result<()>
     let mut sets = Vec::new();
     for set in found {
         match set {
-            Ok(set) => sets.push(read_as(set, args)),
+            Ok(set) => sets.push(read_as(set, args)?),
             Err(error) => report.error(&error),
         }
     }
@@ -55,28 +55,35 @@ pub fn run(args: &BuildArgs, global: &Global, report: &mut Report) -> Result<()>
     Ok(())
 }
 
-/// The options that say how all maps are read.
-fn read_as(set: Inputs, args: &BuildArgs) -> Inputs {
-    Inputs {
+/// The options that hold for all materials.
+fn read_as(set: Inputs, args: &BuildArgs) -> Result<Inputs> {
+    let given = given_width(&args.maps)?;
+    Ok(Inputs {
         name: args.maps.name.clone().unwrap_or(set.name),
+        roughness: if given == RoughnessInput::Missing { set.roughness } else { given },
         normal_z: args.reading.normal_z,
         normal_range: args.reading.normal_range,
         normal_scale: Some(args.reading.normal_scale),
         height_scale: args.reading.height_scale,
         wrap: args.reading.wrap.into(),
         ..set
-    }
+    })
 }
 
-/// A material from flags.
-fn single(maps: &MapArgs, normal_y: NormalY) -> Result<Inputs> {
+/// The roughness that flags give.
+fn given_width(maps: &MapArgs) -> Result<RoughnessInput> {
     let orm = maps.orm.as_ref().map(|path| ChannelRef { path: path.clone(), channel: Some(1) });
-    let roughness = match (&maps.roughness, &maps.gloss, orm) {
+    Ok(match (&maps.roughness, &maps.gloss, orm) {
         (Some(text), _, _) => roughness(text)?,
         (_, Some(text), _) => smoothness(text)?,
         (_, _, Some(orm)) => RoughnessInput::Roughness(orm),
         _ => RoughnessInput::Missing,
-    };
+    })
+}
+
+/// A material from flags.
+fn single(maps: &MapArgs, normal_y: NormalY) -> Result<Inputs> {
+    let roughness = given_width(maps)?;
     let first = maps.normal.as_deref().or(maps.height.as_deref()).or(match &roughness {
         RoughnessInput::Roughness(c) | RoughnessInput::Smoothness(c) => Some(c.path.as_path()),
         _ => None,
@@ -113,7 +120,7 @@ fn smoothness(text: &str) -> Result<RoughnessInput> {
     }
 }
 
-fn folders(args: &BuildArgs) -> Result<Vec<Result<Inputs>>> {
+fn folders(args: &BuildArgs) -> Vec<Result<Inputs>> {
     let mut sets = Vec::new();
     for input in &args.inputs {
         let extension = input.extension().unwrap_or_default().to_string_lossy().to_lowercase();
@@ -123,11 +130,15 @@ fn folders(args: &BuildArgs) -> Result<Vec<Result<Inputs>>> {
             } else {
                 "a folder; single maps are given with --normal and --roughness"
             };
-            return Err(Error::unsupported(input, "a single file", hint));
+            sets.push(Err(Error::unsupported(input, "a single file", hint)));
+            continue;
         }
-        sets.extend(detect::folder(input, args.reading.normal_y)?);
+        match detect::folder(input, args.reading.normal_y) {
+            Ok(found) => sets.extend(found),
+            Err(error) => sets.push(Err(error)),
+        }
     }
-    Ok(sets)
+    sets
 }
 
 /// A folder for each material, named apart.

@@ -27,7 +27,13 @@ pub fn run(args: &DemoArgs, global: &Global, report: &mut Report) -> Result<()> 
         SAMPLES.iter().collect()
     } else {
         let names: Vec<_> = SAMPLES.iter().map(|s| s.name).collect();
-        let unknown = || Error::invalid_option("SAMPLE", format!("'{}'", args.sample), names.join(", "));
+        let unknown = || {
+            Error::invalid_option(
+                "demo",
+                format!("no sample '{}'", args.sample),
+                format!("one of {}", names.join(", ")),
+            )
+        };
         vec![by_name(&args.sample).ok_or_else(unknown)?]
     };
     let options = args.folding.options(false)?;

@@ -8,7 +8,8 @@ use crate::moments::{Moments, Needs};
 use crate::ndf::RoughnessTensor;
 
 /// Mean and covariance of the slopes; the lobe is `base + 2 covariance` about the mean slope's normal, the
-/// covariance carried into that normal's tangent plane.
+/// covariance carried into that normal's tangent plane. Normals steeper than 78.5 degrees count as that steep
+/// ([`crate::moments::STEEPEST_Z`]), so a texture that is steeper everywhere is flattened to it.
 pub const FOLD: Fold = Fold {
     name: "lean",
     cite: "Olano & Baker 2010; Dupuy et al. 2013",

@@ -166,7 +166,7 @@ fn sets_below(folder: &Path, want: NormalY, seen: &mut Vec<PathBuf>) -> Result<V
         }
         let Some(Meaning { kind, channel, material }) = meaning_of(&stem) else { continue };
         let file = Candidate { kind, file: ChannelRef { path: path.clone(), channel } };
-        match sets.iter_mut().find(|(name, _)| name.eq_ignore_ascii_case(&material)) {
+        match sets.iter_mut().find(|(name, _)| common_name(name) == common_name(&material)) {
             Some((_, files)) => files.push(file),
             None => sets.push((material, vec![file])),
         }
@@ -197,8 +197,23 @@ fn pass_over_widths_alone(found: &mut Vec<Result<Inputs>>) {
     found.retain(bumpy);
     if let (Some(Ok(first)), false) = (found.first_mut(), alone.is_empty()) {
         let names = alone.join(", ");
-        first.notes.push(format!("passed over, a roughness map without a normal map of its name: {names}"));
+        let warning = format!(
+            "passed over, roughness without a normal map of its name: {names}. If they belong together, name them with \
+             --normal and --roughness"
+        );
+        first.warnings.push(warning);
     }
+}
+
+/// The words of a material's name without resolutions (`4k`), which its maps need not share.
+fn common_name(material: &str) -> Vec<String> {
+    let words: Vec<_> = words(material).into_iter().map(|(word, _)| word).collect();
+    let number = |word: &String| word.chars().all(|c| c.is_ascii_digit());
+    let resolution = |i: usize| {
+        let follows = |i: usize| words.get(i + 1).is_some_and(|next| next == "k") && number(&words[i]);
+        follows(i) || (i > 0 && follows(i - 1))
+    };
+    (0..words.len()).filter(|i| !resolution(*i)).map(|i| words[i].clone()).collect()
 }
 
 fn is_picture(path: &Path) -> bool {

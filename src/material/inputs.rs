@@ -75,6 +75,8 @@ pub struct Inputs {
     pub height_scale: Option<f32>,
     /// What lies beyond the border.
     pub wrap: Wrap,
+    /// What looks wrong on the way to these inputs, said again in the material's warnings.
+    pub warnings: Vec<String>,
     /// What was decided on the way to these inputs, said again in the material's notes.
     pub notes: Vec<String>,
 }

@@ -4,7 +4,7 @@ use ndarray::Array3;
 use rayon::prelude::*;
 
 use super::Material;
-use super::source::SHORTEST_NORMAL;
+use super::source::{LEAST_REBUILT_Z, SHORTEST_NORMAL};
 use crate::image::Samples;
 
 /// Counts over level 0.
@@ -119,7 +119,10 @@ impl Material {
             let (mut length_sum, mut x_sum, mut y_sum) = (0.0f64, 0.0f64, 0.0f64);
             for x in 0..width {
                 let [vx, vy] = [nx[x], ny[x]].map(|v| scale * v + offset);
-                let vz = if stored_z { scale * nz[x] + offset } else { (1.0 - vx * vx - vy * vy).max(0.0).sqrt() };
+                // A rebuilt z never points down.
+                let least = LEAST_REBUILT_Z * LEAST_REBUILT_Z;
+                let rebuilt = (1.0 - vx * vx - vy * vy).max(least).sqrt();
+                let vz = if stored_z { scale * nz[x] + offset } else { rebuilt };
                 let length2 = vx * vx + vy * vy + vz * vz;
                 let directed = (length2 > SHORTEST_NORMAL * SHORTEST_NORMAL) & (length2 < f32::MAX);
                 found.directionless += usize::from(!directed);

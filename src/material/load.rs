@@ -78,7 +78,7 @@ fn empty(inputs: &Inputs) -> Material {
         normal_scale: inputs.normal_scale.unwrap_or(1.0),
         wrap: inputs.wrap,
         notes: inputs.notes.clone(),
-        warnings: Vec::new(),
+        warnings: inputs.warnings.clone(),
         normal: None,
         width: None,
         constant: DEFAULT_ROUGHNESS,
@@ -143,7 +143,7 @@ impl Builder<'_> {
     fn assign(&mut self, map: usize, channel: usize, role: Role) -> Result<()> {
         let slot = &mut self.material.maps[map].roles[channel];
         if !matches!(slot, Role::Other(_)) {
-            let found = format!("channel {channel} used twice, as {slot:?} and as {role:?}");
+            let found = format!("the {} channel used twice, as {slot:?} and as {role:?}", colour(channel));
             return Err(Error::invalid(&self.paths[map], found, "one use of each channel"));
         }
         *slot = role;
@@ -170,7 +170,7 @@ impl Builder<'_> {
             NormalZ::Rebuild => false,
         };
         if count >= 3 && is_gray(raster) {
-            let expected = "three channels that differ (XYZ); a height map is given with --height";
+            let expected = "a tangent-space normal map, whose channels differ; a height map is given with --height";
             return Err(Error::invalid(path, "a gray picture stored as colour, as normal map", expected));
         }
         let floats = raster.bits() == 32;
@@ -235,19 +235,21 @@ impl Builder<'_> {
         let count = names.len();
         let channel = input.channel.unwrap_or(if count >= 3 { 1 } else { 0 });
         if channel >= count {
-            let found = format!("{count} channels ({})", names.join(" "));
-            return Err(Error::invalid(&input.path, found, format!("a channel number {channel} for the roughness")));
+            let found = if count == 1 { "one channel (gray)".into() } else { format!("channels {}", names.join(" ")) };
+            let expected = format!("a {} channel for the roughness", colour(channel));
+            return Err(Error::invalid(&input.path, found, expected));
         }
-        if input.channel.is_none() && count >= 3 && !is_gray(&self.material.maps[map].raster) {
-            let word = if role == Role::Roughness { "roughness" } else { "smoothness" };
-            self.note(format!(
-                "{word} taken from the green channel, as in glTF and ORM files; FILE:r|g|b|a names another"
-            ));
-        } else if input.channel.is_none() && count >= 3 {
+        let word = if role == Role::Roughness { "roughness" } else { "smoothness" };
+        let file = input.path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let gray = count < 2 || (count >= 3 && is_gray(&self.material.maps[map].raster));
+        if gray && count >= 3 && input.channel.is_none() {
             // Gray stored as colour: all three channels are the roughness, and come back as such.
             for other in [0, 2] {
                 self.assign(map, other, role)?;
             }
+        }
+        if !gray {
+            self.note(format!("{word}: {file}, {} channel; FILE:r|g|b|a names another", colour(channel)));
         }
         self.assign(map, channel, role)?;
         self.material.width = Some((map, channel));
@@ -309,8 +311,9 @@ impl Builder<'_> {
     /// Counts what is wrong and says it.
     fn check(mut self) -> Result<Material> {
         let found = self.material.inspect();
-        let share =
-            |n: usize| format!("{n} of {} texels ({:.3} %)", found.texels, 100.0 * n as f64 / found.texels as f64);
+        let share = |n: usize, what: &str| {
+            format!("{n} of {} {what} ({:.3} %)", found.texels, 100.0 * n as f64 / found.texels as f64)
+        };
         let material = &mut self.material;
         if let Some(source) = &material.normal {
             let subject = &self.paths.get(source.map).cloned().unwrap_or_default();
@@ -320,11 +323,13 @@ impl Builder<'_> {
             }
             let stem = material.maps[source.map].stem.clone();
             for (count, what) in [
-                (found.behind, "normals do not point out of the surface (z <= 0)"),
-                (found.directionless, "normals have no direction (zero, nearly zero or not a number)"),
+                (found.behind, "do not point out of the surface (z <= 0)"),
+                (found.directionless, "have no direction (zero, nearly zero or not a number)"),
             ] {
                 if count > 0 {
-                    material.warnings.push(format!("{stem}: {} {what}; the fold ignores them", share(count)));
+                    material
+                        .warnings
+                        .push(format!("{stem}: {} {what}; the fold ignores them", share(count, "normals")));
                 }
             }
             if found.looks_srgb() {
@@ -335,17 +340,22 @@ impl Builder<'_> {
                 ));
             }
         }
-        for (count, what) in [
-            (found.roughness_not_finite, "roughness values are not a number; taken as 1"),
-            (found.roughness_outside, "roughness values lie outside 0..1; the fold clamps them"),
-            (found.others_not_finite, "values of other channels are not a number; taken as 0"),
+        for (count, of, what) in [
+            (found.roughness_not_finite, "roughness values", "are not a number; taken as 1"),
+            (found.roughness_outside, "roughness values", "lie outside 0..1; the fold clamps them"),
+            (found.others_not_finite, "texels of other channels", "are not a number; taken as 0"),
         ] {
             if count > 0 {
-                material.warnings.push(format!("{} {what}", share(count)));
+                material.warnings.push(format!("{} {what}", share(count, of)));
             }
         }
         Ok(self.material)
     }
+}
+
+/// A channel in the words of artists.
+fn colour(channel: usize) -> &'static str {
+    ["red", "green", "blue", "alpha"].get(channel).unwrap_or(&"further")
 }
 
 /// Whether two spellings mean one file.

@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use ndarray::Array3;
 
-use super::{MapFile, Material, Role};
+use super::{MapFile, Material, Origin, Role};
 use crate::image::{Raster, Samples, Size};
 use crate::ndf::{Axes, Form, Lobes, RoughnessTensor};
 use crate::roughness::Alpha;
@@ -25,6 +25,9 @@ pub struct LevelView<'a> {
     pub material: &'a Material,
     /// Lobes and plainly averaged channels (axes channel, row, column), for levels from 1 on.
     pub folded: Option<(&'a Lobes, &'a Array3<f32>)>,
+    /// Radians: directions of anisotropy are written on this one's side. An axis has two; where neighbours choose
+    /// differently, filtering the map cancels them.
+    pub main_axis: f32,
 }
 
 impl<'a> LevelView<'a> {
@@ -41,6 +44,11 @@ impl<'a> LevelView<'a> {
             None => {
                 file.raster.read(channel, y, x, out);
                 own_pixels(file, role, encoding, out);
+                if let (Origin::Generated(_), Role::AnisotropyX | Role::AnisotropyY) = (&file.origin, role) {
+                    // Of no strength; the direction is that of the levels to come, which it is mixed with.
+                    let (sin, cos) = self.main_axis.sin_cos();
+                    out.fill(0.5 + 0.5 * if role == Role::AnisotropyX { cos } else { sin });
+                }
             }
             Some((lobes, others)) => {
                 let n = out.len();
@@ -66,7 +74,7 @@ impl<'a> LevelView<'a> {
                         for (i, out) in out.iter_mut().enumerate() {
                             let xy = if lobes.form() == Form::Isotropic { 0.0 } else { xy[i] };
                             let axes = RoughnessTensor { xx: xx[i], xy, yy: yy[i] }.axes();
-                            *out = anisotropic(role, axes);
+                            *out = anisotropic(role, axes, self.main_axis);
                         }
                     }
                 }
@@ -98,7 +106,8 @@ impl<'a> LevelView<'a> {
     pub fn raster(&self, map: usize) -> Cow<'a, Raster> {
         let file = &self.material.maps[map];
         let bits = file.bits.min(16);
-        if self.folded.is_none() && file.raster.bits() == bits {
+        let ready = !(matches!(file.origin, Origin::Generated(_)) && file.channel(Role::AnisotropyX).is_some());
+        if self.folded.is_none() && file.raster.bits() == bits && ready {
             return Cow::Borrowed(&file.raster);
         }
         let Size { width, height } = self.size();
@@ -177,9 +186,12 @@ fn own_pixels(file: &MapFile, role: Role, encoding: Encoding, out: &mut [f32]) {
 
 /// What a channel holds for a lobe of two widths: the smaller width as roughness, and glTF's strength and direction.
 /// From `alpha_t = mix(alpha, 1, strength^2)`: `strength = sqrt((alpha_t - alpha) / (1 - alpha))`.
-fn anisotropic(role: Role, axes: Axes) -> f32 {
+fn anisotropic(role: Role, axes: Axes, main_axis: f32) -> f32 {
     let Axes { alpha_x: Alpha(along), alpha_y: Alpha(across), angle } = axes;
-    let (sin, cos) = angle.sin_cos();
+    // An isotropic lobe has no direction of its own.
+    let angle = if along > across { angle } else { main_axis };
+    let side = if (angle - main_axis).cos() < 0.0 { -1.0 } else { 1.0 };
+    let (sin, cos) = (side * angle.sin(), side * angle.cos());
     let direction = |v: f32| 0.5 + 0.5 * v;
     match role {
         Role::Roughness => across.sqrt(),
@@ -217,10 +229,18 @@ mod tests {
         }
 
         #[test]
+        fn directions_of_neighbours_stay_on_one_side(angle in 1.2f32..1.9) {
+            // Axes on both sides of the vertical, where the angle's own range has its seam.
+            let angle = if angle > std::f32::consts::FRAC_PI_2 { angle - std::f32::consts::PI } else { angle };
+            let axes = Axes { alpha_x: Alpha(0.5), alpha_y: Alpha(0.1), angle };
+            prop_assert!(anisotropic(Role::AnisotropyY, axes, std::f32::consts::FRAC_PI_2) > 0.9);
+        }
+
+        #[test]
         fn gltf_strength_gives_the_larger_width_back(a in 0.01f32..0.99, ratio in 0.0f32..1.0) {
             let axes = Axes { alpha_x: Alpha(a), alpha_y: Alpha(a * ratio), angle: 0.3 };
-            let strength = anisotropic(Role::AnisotropyStrength, axes);
-            let alpha = anisotropic(Role::Roughness, axes).powi(2);
+            let strength = anisotropic(Role::AnisotropyStrength, axes, 0.0);
+            let alpha = anisotropic(Role::Roughness, axes, 0.0).powi(2);
             let along = alpha + (1.0 - alpha) * strength * strength;
             prop_assert!((along - a).abs() < 1e-5 && (alpha - a * ratio).abs() < 1e-6);
         }

@@ -93,7 +93,7 @@ pub struct Material {
 }
 
 /// z of a two-channel normal whose x and y leave nothing for it.
-const LEAST_REBUILT_Z: f32 = 1e-3;
+pub(super) const LEAST_REBUILT_Z: f32 = 1e-3;
 
 /// Normals shorter than this have no direction: near mid-gray, rounding and compression decide where they point.
 pub(super) const SHORTEST_NORMAL: f32 = 0.1;

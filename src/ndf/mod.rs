@@ -14,7 +14,7 @@ use glam::DVec3;
 
 /// A distribution of microfacet normals over the hemisphere about z.
 ///
-/// Evaluated in f64, since the judge's reference is one of these too.
+/// Evaluated in f64, so that references can be built on it.
 pub trait Ndf {
     /// Density D(m) in the sense of microfacet theory: normalised to `integral D(m) (m . n) dm = 1` about the
     /// distribution's own macroscopic normal n. `m` is unit; 1/sr.

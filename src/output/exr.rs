@@ -10,7 +10,9 @@ use crate::ndf::{Axes, Form, RoughnessTensor};
 /// Level `k` of a material, to be packed.
 pub fn view<'a>(material: &'a Material, chain: &'a Chain, k: usize) -> LevelView<'a> {
     let folded = k.checked_sub(1).map(|i| (&chain.levels[i].lobes, &chain.levels[i].extras));
-    LevelView { material, folded }
+    // The coarsest level speaks for the whole texture.
+    let main_axis = chain.levels.last().map_or(0.0, |top| top.lobes.at(0, 0).axes().angle);
+    LevelView { material, folded, main_axis }
 }
 
 /// What is larger would become infinite.

@@ -1,4 +1,4 @@
-//! What was built, for other programs and for `compare`.
+//! What was built, for other programs.
 
 use serde::Serialize;
 

@@ -13,7 +13,8 @@ use crate::error::Result;
 use crate::fold::{Chain, Options};
 use crate::material::{MapFile, Material, Origin, built_files};
 
-/// Writes all files of a plan and the manifest, side by side. Either all appear or none; `done` is called after each.
+/// Writes all files of a plan and the manifest, side by side. None appears before all are written; then each is renamed
+/// into its place; `done` is called after each.
 ///
 /// # Errors
 /// Whatever the system refuses, and outputs that would replace an input or a stranger's file.
