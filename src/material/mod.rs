@@ -3,6 +3,7 @@
 mod built;
 pub mod detect;
 mod generate;
+mod guess;
 mod height;
 mod inputs;
 mod inspect;
