@@ -95,8 +95,34 @@ fn a_rebuild_leaves_no_stale_levels_and_no_strangers_harmed() {
     desk.build("out", "--normal @wall.png --format exr");
     assert_eq!((of("wall"), of("roughness"), of("stone")), (2, 1, 1), "{:?}", names(&out));
     bumps(&desk.at("stone.png"), (16, 16));
-    desk.refuses("--normal @stone.png -o @out", "@out/stone_mip0.png");
+    desk.refuses("--normal @stone.png --name wall -o @out", "@out/stone_mip0.png");
     assert_eq!(std::fs::read(desk.at("out/stone_mip0.png")).unwrap(), b"mine");
+}
+
+/// A folder belongs to one material.
+#[test]
+fn another_materials_folder_is_refused() {
+    let desk = Desk::new();
+    desk.build("out", "--normal @n.png --name one");
+    let before = desk.tree();
+    assert!(desk.refuses("--normal @n.png --name two -o @out", "@out").contains("'one'"));
+    assert_eq!(desk.tree(), before);
+}
+
+/// A flag settles what names leave open; two resolutions are two materials.
+#[test]
+fn flags_and_resolutions_settle_folders() {
+    let desk = Desk::empty();
+    std::fs::create_dir(desk.at("two")).unwrap();
+    ["x_normal", "x_rough", "x_roughness"]
+        .iter()
+        .for_each(|map| drop(bumps(&desk.at(&format!("two/{map}.png")), (8, 8))));
+    assert!(desk.refuses("@two -o @out", "@two").contains("--roughness FILE"));
+    desk.build("out", "@two --roughness 0.3");
+    std::fs::create_dir(desk.at("sizes")).unwrap();
+    ["1k", "4k"].iter().for_each(|size| drop(bumps(&desk.at(&format!("sizes/wall_{size}_normal.png")), (8, 8))));
+    desk.build("sizes-out", "@sizes");
+    assert!(desk.at("sizes-out/wall_1k/manifest.json").exists() && desk.at("sizes-out/wall_4k/manifest.json").exists());
 }
 
 /// Links that lead back are followed once, and names that are no Unicode are no panic.

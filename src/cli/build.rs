@@ -121,6 +121,7 @@ fn smoothness(text: &str) -> Result<RoughnessInput> {
 }
 
 fn folders(args: &BuildArgs) -> Vec<Result<Inputs>> {
+    let width_given = args.maps.roughness.is_some() || args.maps.gloss.is_some();
     let mut sets = Vec::new();
     for input in &args.inputs {
         let extension = input.extension().unwrap_or_default().to_string_lossy().to_lowercase();
@@ -133,7 +134,7 @@ fn folders(args: &BuildArgs) -> Vec<Result<Inputs>> {
             sets.push(Err(Error::unsupported(input, "a single file", hint)));
             continue;
         }
-        match detect::folder(input, args.reading.normal_y) {
+        match detect::folder(input, args.reading.normal_y, width_given) {
             Ok(found) => sets.extend(found),
             Err(error) => sets.push(Err(error)),
         }

@@ -9,7 +9,7 @@ use crate::codec::{decode, write_png};
 use crate::error::{Error, Result};
 use crate::fold::{Fold, Options, base_lobes, chain};
 use crate::image::Raster;
-use crate::material::{ChannelRef, Inputs, Material, RoughnessInput, built_files};
+use crate::material::{ChannelRef, Earlier, Inputs, Material, RoughnessInput};
 use crate::ndf::Lobes;
 use crate::output::{Format, Request, Stage, may_write};
 use crate::render::{DISTANCES, Scene, distance_strip};
@@ -47,7 +47,7 @@ fn one(sample: &Sample, args: &DemoArgs, options: &Options, global: &Global, rep
     report.progress.set_message(format!("making {}", sample.name));
     let folder = args.output.join(sample.name);
     // A folder whose chain is ours is ours.
-    let force = global.force || built_files(&folder.join("mips")).is_some();
+    let force = global.force || Earlier::read(&folder.join("mips")).is_some();
     may_write(&folder, ["normal.png", "orm.png", "distance.png"], force)?;
     let maps = (sample.make)(usize::from(args.size), args.seed);
     if !global.dry_run {

@@ -10,21 +10,57 @@ pub const MANIFEST: &str = "manifest.json";
 /// The value of `generator` in our manifests.
 pub const GENERATOR: &str = "mipfold";
 
-/// The files that an earlier build wrote into `folder`; `None` where no manifest of ours lies.
-pub fn built_files(folder: &Path) -> Option<Vec<String>> {
-    #[derive(Deserialize)]
-    struct Map {
-        files: Vec<String>,
+/// An earlier build, by its manifest.
+#[derive(Debug, Default)]
+pub struct Earlier {
+    /// Name of the material.
+    pub material: String,
+    /// The files that it wrote, the manifest among them.
+    pub files: Vec<String>,
+}
+
+impl Earlier {
+    /// What the manifest in `folder` says; `None` where none of ours lies.
+    pub fn read(folder: &Path) -> Option<Self> {
+        #[derive(Deserialize)]
+        struct Map {
+            files: Vec<String>,
+        }
+        #[derive(Deserialize)]
+        struct Manifest {
+            generator: String,
+            material: String,
+            maps: Vec<Map>,
+        }
+        let text = std::fs::read(folder.join(MANIFEST)).ok()?;
+        let manifest: Manifest = serde_json::from_slice(&text).ok()?;
+        // The manifest may have been edited: names that leave the folder, or are none that we give, are nobody's.
+        let ours = |file: &String| {
+            let plain = Path::new(file).components().count() == 1 && Path::new(file).file_name().is_some();
+            plain && (file.ends_with(".exr") || (file.ends_with(".png") && file.contains("_mip")))
+        };
+        let files = manifest.maps.into_iter().flat_map(|map| map.files).filter(ours).chain([MANIFEST.to_owned()]);
+        (manifest.generator == GENERATOR).then(|| Self { material: manifest.material, files: files.collect() })
     }
-    #[derive(Deserialize)]
-    struct Manifest {
-        generator: String,
-        maps: Vec<Map>,
+
+    /// Whether it wrote a file of this name; file systems that ignore case exist.
+    pub fn wrote(&self, name: &str) -> bool {
+        self.files.iter().any(|file| file.to_lowercase() == name.to_lowercase())
     }
-    let text = std::fs::read(folder.join(MANIFEST)).ok()?;
-    let manifest: Manifest = serde_json::from_slice(&text).ok()?;
-    // The manifest may have been edited: names that leave the folder are nobody's.
-    let inside = |file: &String| Path::new(file).components().count() == 1 && Path::new(file).file_name().is_some();
-    let files = manifest.maps.into_iter().flat_map(|map| map.files).filter(inside);
-    (manifest.generator == GENERATOR).then(|| files.chain([MANIFEST.to_owned()]).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_edited_manifest_names_no_files_of_others() {
+        let folder = tempfile::tempdir().unwrap();
+        let text = r#"{"generator": "mipfold", "material": "m", "maps": [{"files":
+            ["../x_mip0.png", "..", "sub/y.exr", "notes.txt", "Wall_mip0.png", "wall.exr"]}]}"#;
+        std::fs::write(folder.path().join(MANIFEST), text).unwrap();
+        let earlier = Earlier::read(folder.path()).unwrap();
+        assert_eq!(earlier.files, ["Wall_mip0.png", "wall.exr", MANIFEST]);
+        assert!(earlier.wrote("wall_mip0.PNG") && !earlier.wrote("notes.txt"));
+    }
 }

@@ -7,7 +7,7 @@
 use std::path::{Path, PathBuf};
 
 use super::NormalY;
-use super::built::built_files;
+use super::built::Earlier;
 use super::{ChannelRef, Inputs, RoughnessInput};
 use crate::error::{Error, Result};
 
@@ -80,6 +80,18 @@ fn words(stem: &str) -> Vec<(String, std::ops::Range<usize>)> {
     words
 }
 
+/// Whether a word may be said of something else: of a material (`rough_wood`, `normal_metal`) or of another map
+/// (`normal_alpha`). `rough` and `smooth` name a map where nothing but a resolution or a format follows.
+fn is_weak(word: &str, after: &[(String, std::ops::Range<usize>)]) -> bool {
+    let formal = |w: &str| {
+        w.chars().all(|c| c.is_ascii_digit()) || ["k", "in", "r", "g", "b", "a"].contains(&w) || EXTENSIONS.contains(&w)
+    };
+    match word {
+        "rough" | "smooth" => after.iter().any(|(w, _)| !formal(w)),
+        _ => ["metal", "alpha", "mask", "depth", "bump", "spec", "specular"].contains(&word),
+    }
+}
+
 /// What a name means.
 #[derive(Debug, PartialEq)]
 struct Meaning {
@@ -99,8 +111,9 @@ fn meaning_of(stem: &str) -> Option<Meaning> {
             let single = joined.len() == 1;
             let Some((_, kind)) = WORDS.iter().find(|(names, _)| names.contains(&joined.as_str())) else { continue };
             // What ends last says what the map is; before it stands the material's own name, which may hold such
-            // words too. Of those that end together, the longest.
-            let rank = (end, end - start);
+            // words too. Of those that end together, the longest. Words that qualify as often as they name count only
+            // if there is no other.
+            let rank = (!is_weak(&joined, &words[end..]), end, end - start);
             let last = end == words.len() && start > 0 && words[start - 1].0 != "in";
             if (!single || last || words.len() == 1) && best.as_ref().is_none_or(|(old, _, _)| rank >= *old) {
                 best = Some((rank, start..end, *kind));
@@ -122,6 +135,13 @@ fn meaning_of(stem: &str) -> Option<Meaning> {
     Some(Meaning { kind, channel, material: format!("{head}{joint}{tail}") })
 }
 
+/// What the caller knows.
+#[derive(Clone, Copy)]
+struct Wanted {
+    normal_y: NormalY,
+    width_given: bool,
+}
+
 /// What the name of a normal map says about its convention.
 pub fn convention(path: &Path) -> Option<NormalY> {
     match meaning_of(&path.file_stem()?.to_string_lossy())?.kind {
@@ -131,12 +151,13 @@ pub fn convention(path: &Path) -> Option<NormalY> {
 }
 
 /// The materials in a folder: its own maps by their common names, or else those of its sub-folders, however deep.
-/// Files that an earlier build wrote are passed over. A set whose roles cannot be told is an error of its own.
+/// Files that an earlier build wrote are passed over. A set whose roles cannot be told is an error of its own;
+/// roughness is not looked for where it is given.
 ///
 /// # Errors
 /// A folder that cannot be read, or holds no texture set at all.
-pub fn folder(folder: &Path, want: NormalY) -> Result<Vec<Result<Inputs>>> {
-    let found = sets_below(folder, want, &mut Vec::new())?;
+pub fn folder(folder: &Path, want: NormalY, width_given: bool) -> Result<Vec<Result<Inputs>>> {
+    let found = sets_below(folder, Wanted { normal_y: want, width_given }, &mut Vec::new())?;
     if found.is_empty() {
         let expected = "files named like NAME_normal.png, NAME_roughness.png or NAME_orm.png; or give them with \
                         --normal and --roughness";
@@ -145,7 +166,7 @@ pub fn folder(folder: &Path, want: NormalY) -> Result<Vec<Result<Inputs>>> {
     Ok(found)
 }
 
-fn sets_below(folder: &Path, want: NormalY, seen: &mut Vec<PathBuf>) -> Result<Vec<Result<Inputs>>> {
+fn sets_below(folder: &Path, want: Wanted, seen: &mut Vec<PathBuf>) -> Result<Vec<Result<Inputs>>> {
     // Links may lead back.
     let place = folder.canonicalize().map_err(|e| Error::io(folder, e))?;
     if seen.contains(&place) {
@@ -156,21 +177,22 @@ fn sets_below(folder: &Path, want: NormalY, seen: &mut Vec<PathBuf>) -> Result<V
     let paths: std::io::Result<Vec<_>> = read.map(|entry| Ok(entry?.path())).collect();
     let mut paths = paths.map_err(|e| Error::io(folder, e))?;
     paths.sort();
-    let built = built_files(folder).unwrap_or_default();
+    let built = Earlier::read(folder).unwrap_or_default();
     let mut sets: Vec<(String, Vec<Candidate>)> = Vec::new();
     for path in paths.iter().filter(|path| is_picture(path)) {
         let name = path.file_name().unwrap_or_default().to_string_lossy();
         let stem = path.file_stem().unwrap_or_default().to_string_lossy();
-        if built.contains(&name.into_owned()) {
+        if built.wrote(&name) {
             continue;
         }
         let Some(Meaning { kind, channel, material }) = meaning_of(&stem) else { continue };
         let file = Candidate { kind, file: ChannelRef { path: path.clone(), channel } };
-        match sets.iter_mut().find(|(name, _)| common_name(name) == common_name(&material)) {
+        match sets.iter_mut().find(|(name, _)| name.eq_ignore_ascii_case(&material)) {
             Some((_, files)) => files.push(file),
             None => sets.push((material, vec![file])),
         }
     }
+    let sets = join_resolutions(sets);
     let folder_name = || Some(folder.canonicalize().ok()?.file_name()?.to_string_lossy().into_owned());
     let named = sets.into_iter().map(|(name, files)| {
         let name = if name.is_empty() { folder_name().unwrap_or_else(|| "material".into()) } else { name };
@@ -189,13 +211,13 @@ fn sets_below(folder: &Path, want: NormalY, seen: &mut Vec<PathBuf>) -> Result<V
 /// A roughness map whose name no normal map shares is not a material, where others are: it would only be averaged.
 fn pass_over_widths_alone(found: &mut Vec<Result<Inputs>>) {
     let bumpy = |set: &Result<Inputs>| set.as_ref().map_or(true, |set| set.normal.is_some() || set.height.is_some());
-    if !found.iter().any(bumpy) {
+    if !found.iter().any(|set| set.is_ok() && bumpy(set)) {
         return;
     }
     let alone: Vec<String> =
         found.iter().filter(|set| !bumpy(set)).filter_map(|set| Some(set.as_ref().ok()?.name.clone())).collect();
     found.retain(bumpy);
-    if let (Some(Ok(first)), false) = (found.first_mut(), alone.is_empty()) {
+    if let (Some(first), false) = (found.iter_mut().find_map(|set| set.as_mut().ok()), alone.is_empty()) {
         let names = alone.join(", ");
         let warning = format!(
             "passed over, roughness without a normal map of its name: {names}. If they belong together, name them with \
@@ -203,6 +225,21 @@ fn pass_over_widths_alone(found: &mut Vec<Result<Inputs>>) {
         );
         first.warnings.push(warning);
     }
+}
+
+/// Joins sets whose names differ in resolution only, unless both hold the same kind of map: those are two sizes of one
+/// material.
+fn join_resolutions(sets: Vec<(String, Vec<Candidate>)>) -> Vec<(String, Vec<Candidate>)> {
+    let mut joined: Vec<(String, Vec<Candidate>)> = Vec::new();
+    for (name, files) in sets {
+        let apart =
+            |other: &[Candidate]| other.iter().all(|a| files.iter().all(|b| a.kind != b.kind || a.kind == Ignored));
+        match joined.iter_mut().find(|(n, other)| common_name(n) == common_name(&name) && apart(other)) {
+            Some((_, other)) => other.extend(files),
+            None => joined.push((name, files)),
+        }
+    }
+    joined
 }
 
 /// The words of a material's name without resolutions (`4k`), which its maps need not share.
@@ -243,8 +280,13 @@ impl Candidates<'_> {
             _ => {
                 let names: Vec<_> =
                     found.iter().map(|c| c.path.file_name().unwrap_or_default().to_string_lossy()).collect();
+                let alone = if flag.starts_with("--normal") || flag.starts_with("--height") {
+                    " without the folder"
+                } else {
+                    ""
+                };
                 let found = format!("{} candidates for the {what} map: {}", names.len(), names.join(", "));
-                Err(Error::invalid(self.folder, found, format!("one; choose with {flag} FILE")))
+                Err(Error::invalid(self.folder, found, format!("one; choose with {flag} FILE{alone}")))
             }
         }
     }
@@ -279,7 +321,8 @@ impl Candidates<'_> {
 }
 
 /// One material from the files of one common name; `None` if there is nothing to fold.
-fn set(folder: &Path, name: String, files: &[Candidate], want: NormalY) -> Result<Option<Inputs>> {
+fn set(folder: &Path, name: String, files: &[Candidate], wanted: Wanted) -> Result<Option<Inputs>> {
+    let want = wanted.normal_y;
     let candidates = Candidates { folder, files };
     let path = |file: Option<ChannelRef>| file.map(|f| f.path);
     let mut inputs = Inputs { name, normal_y: want, ..Inputs::default() };
@@ -304,7 +347,9 @@ fn set(folder: &Path, name: String, files: &[Candidate], want: NormalY) -> Resul
         let file = path.file_name().unwrap_or_default().to_string_lossy();
         inputs.notes.push(format!("several normal maps: {file} taken as {}", want.describe()));
     }
-    inputs.roughness = candidates.roughness()?;
+    if !wanted.width_given {
+        inputs.roughness = candidates.roughness()?;
+    }
     inputs.anisotropy = path(candidates.one("anisotropy", "--anisotropy", |k| k == Anisotropy)?);
     if inputs.normal.is_none() {
         inputs.height = path(candidates.one("height", "--height", |k| k == Height)?);
@@ -349,6 +394,10 @@ mod tests {
             ("SmoothConcrete_Color", Ignored, "SmoothConcrete"),
             ("T_Height_Marker_N", Normal(None), "T_Height_Marker"),
             ("wall_MetallicSmoothness", PackedSmoothness(3), "wall"),
+            ("wall_normal_metal", Normal(None), "wall_metal"),
+            ("rock_normal_alpha", Normal(None), "rock_alpha"),
+            ("Normal_Rough_Stone", Normal(None), "Rough_Stone"),
+            ("wall_rough_1k", Roughness, "wall_1k"),
         ];
         for (stem, kind, material) in cases {
             let meaning = Meaning { kind, channel: None, material: material.into() };

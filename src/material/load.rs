@@ -2,10 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
+use glam::Vec2;
 use rayon::prelude::*;
 
 use super::generate::distinct_stems;
-use super::guess::{is_gray, off_unit};
+use super::guess::{is_gray, mean_direction, off_unit};
 use super::source::{MapFile, Material, NormalSource, Origin};
 use super::{ChannelRef, DEFAULT_HEIGHT_SCALE, DEFAULT_ROUGHNESS, Inputs, RoughnessInput};
 use super::{NormalRange, NormalY, NormalZ, Role};
@@ -84,6 +85,7 @@ fn empty(inputs: &Inputs) -> Material {
         width: None,
         constant: DEFAULT_ROUGHNESS,
         anisotropy: None,
+        anisotropy_lean: Vec2::ZERO,
         others: Vec::new(),
     }
 }
@@ -249,8 +251,9 @@ impl Builder<'_> {
                 self.assign(map, other, role)?;
             }
         }
-        if !gray {
-            self.note(format!("{word}: {file}, {} channel; FILE:r|g|b|a names another", colour(channel)));
+        if !gray && input.channel.is_none() {
+            let channel = if count == 2 { "gray" } else { colour(channel) };
+            self.note(format!("{word}: {file}, {channel} channel; FILE:r|g|b|a names another"));
         }
         self.assign(map, channel, role)?;
         self.material.width = Some((map, channel));
@@ -269,6 +272,7 @@ impl Builder<'_> {
             self.assign(map, channel, role)?;
         }
         self.material.anisotropy = Some((map, [0, 1, 2]));
+        self.material.anisotropy_lean = mean_direction(&self.material.maps[map].raster);
         Ok(())
     }
 

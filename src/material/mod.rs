@@ -14,7 +14,7 @@ mod role;
 mod source;
 mod texels;
 
-pub use built::{GENERATOR, MANIFEST, built_files};
+pub use built::{Earlier, GENERATOR, MANIFEST};
 pub use inputs::{ChannelRef, DEFAULT_HEIGHT_SCALE, DEFAULT_ROUGHNESS, Inputs, RoughnessInput};
 pub use inspect::Findings;
 pub use load::{ReadPicture, load, load_with};

@@ -1,7 +1,10 @@
 //! A material: its maps, and its texels as a fold sees them.
 
+use std::f32::consts::PI;
 use std::path::PathBuf;
 use std::sync::Arc;
+
+use glam::Vec2;
 
 use super::{NormalY, Role, Texels};
 use crate::image::{Raster, Size, Wrap};
@@ -88,6 +91,8 @@ pub struct Material {
     pub constant: PerceptualRoughness,
     /// Map and channels of direction x, y and strength.
     pub(super) anisotropy: Option<(usize, [usize; 3])>,
+    /// Mean direction of the input's anisotropy, weighted by its strength.
+    pub(super) anisotropy_lean: Vec2,
     /// Map and channel of each plainly averaged channel.
     pub(super) others: Vec<(usize, usize)>,
 }
@@ -97,6 +102,13 @@ pub(super) const LEAST_REBUILT_Z: f32 = 1e-3;
 
 /// Normals shorter than this have no direction: near mid-gray, rounding and compression decide where they point.
 pub(super) const SHORTEST_NORMAL: f32 = 0.1;
+
+impl Material {
+    /// Radians: of the two directions of an axis, the one on the side of the input's own anisotropy.
+    pub fn sided(&self, axis: f32) -> f32 {
+        if self.anisotropy_lean.dot(Vec2::from_angle(axis)) < 0.0 { axis + PI } else { axis }
+    }
+}
 
 impl Texels for Material {
     fn size(&self) -> Size {

@@ -11,8 +11,8 @@ use crate::ndf::{Axes, Form, RoughnessTensor};
 pub fn view<'a>(material: &'a Material, chain: &'a Chain, k: usize) -> LevelView<'a> {
     let folded = k.checked_sub(1).map(|i| (&chain.levels[i].lobes, &chain.levels[i].extras));
     // The coarsest level speaks for the whole texture.
-    let main_axis = chain.levels.last().map_or(0.0, |top| top.lobes.at(0, 0).axes().angle);
-    LevelView { material, folded, main_axis }
+    let axis = chain.levels.last().map_or(0.0, |top| top.lobes.at(0, 0).axes().angle);
+    LevelView { material, folded, main_axis: material.sided(axis) }
 }
 
 /// What is larger would become infinite.

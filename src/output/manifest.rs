@@ -180,6 +180,9 @@ fn level_0(file: &MapFile, encoding: &str) -> &'static str {
         Origin::File { size, .. } if *size != file.raster.size() => "the input, enlarged",
         Origin::File { .. } if encoding == "unorm16" && file.bits == 32 => "the input, rounded to 16 bit",
         Origin::File { .. } if encoding == "float16" => "the input, rounded to half floats",
+        Origin::File { .. } if encoding == "float32" && !file.signed && file.channel(Role::NormalX).is_some() => {
+            "the input's own pixels, normals as -1..1"
+        }
         Origin::File { .. } => "the input's own pixels",
     }
 }

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::{MANIFEST, may_write};
 use crate::codec::Depth;
 use crate::error::{Error, Result};
-use crate::material::{MapFile, Material, Origin};
+use crate::material::{Earlier, MapFile, Material, Origin};
 
 /// A container.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
@@ -120,6 +120,13 @@ impl Plan {
                 let found = format!("{} channels", material.maps[map].roles.len());
                 return Err(Error::unsupported(&path, found, "up to 4 in a PNG; --format exr holds more"));
             }
+        }
+        if let Some(earlier) = Earlier::read(&request.folder)
+            && earlier.material != material.name
+            && !request.force
+        {
+            let found = format!("the build of another material, '{}'", earlier.material);
+            return Err(Error::invalid(&request.folder, found, "a folder for each material, or --force"));
         }
         let names = self.outputs.iter().map(|output| output.name.as_str());
         may_write(&request.folder, names.chain([MANIFEST]), request.force)

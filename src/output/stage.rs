@@ -1,4 +1,4 @@
-//! Files that appear together or not at all.
+//! Files of which none appears before all are written.
 
 use std::fs;
 use std::io::{BufWriter, Write};
@@ -8,7 +8,7 @@ use std::sync::Mutex;
 use tempfile::NamedTempFile;
 
 use crate::error::{Error, Result};
-use crate::material::built_files;
+use crate::material::Earlier;
 
 /// Files written beside their place under a temporary name. [`Stage::commit`] renames all of them; dropping the stage
 /// before that removes them, and the folders that were made for them.
@@ -86,7 +86,7 @@ impl Stage {
 /// # Errors
 /// [`Error::Invalid`] that names the first file in the way.
 pub fn may_write<'a>(folder: &Path, names: impl IntoIterator<Item = &'a str>, force: bool) -> Result<()> {
-    let ours = built_files(folder).unwrap_or_default();
+    let ours = Earlier::read(folder).unwrap_or_default();
     for name in names {
         let path = folder.join(name);
         match path.metadata() {
@@ -94,7 +94,7 @@ pub fn may_write<'a>(folder: &Path, names: impl IntoIterator<Item = &'a str>, fo
             Ok(there) if !there.is_file() => {
                 return Err(Error::invalid(&path, "something that is not a file", "a free place; choose another -o"));
             }
-            Ok(_) if !force && !ours.iter().any(|file| file == name) => {
+            Ok(_) if !force && !ours.wrote(name) => {
                 let expected = "a folder of its own, or --force to replace it";
                 return Err(Error::invalid(&path, "a file that mipfold did not write", expected));
             }

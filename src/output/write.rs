@@ -11,7 +11,7 @@ use super::{MANIFEST, Stage};
 use crate::codec::write_png;
 use crate::error::Result;
 use crate::fold::{Chain, Options};
-use crate::material::{MapFile, Material, Origin, built_files};
+use crate::material::{Earlier, MapFile, Material, Origin};
 
 /// Writes all files of a plan and the manifest, side by side. None appears before all are written; then each is renamed
 /// into its place; `done` is called after each.
@@ -27,7 +27,8 @@ pub fn write(
     done: &(dyn Fn() + Sync),
 ) -> Result<()> {
     plan.check(material, request)?;
-    let earlier = built_files(&request.folder).unwrap_or_default();
+    let earlier =
+        Earlier::read(&request.folder).filter(|earlier| earlier.material == material.name).unwrap_or_default();
     let stage = Stage::new(&request.folder)?;
     plan.outputs.par_iter().try_for_each(|output| {
         stage.write(&output.name, |out| match output.content {
@@ -45,9 +46,11 @@ pub fn write(
     let manifest = Manifest::new(material, chain, options, plan, request);
     let text = serde_json::to_string_pretty(&manifest).expect("plain data");
     stage.write(MANIFEST, |out| out.write_all(text.as_bytes()).and_then(|()| out.write_all(b"\n")))?;
-    let renewed = |name: &String| name == MANIFEST || plan.outputs.iter().any(|output| output.name == *name);
+    // File systems that ignore case exist.
+    let same = |a: &str, b: &str| a.to_lowercase() == b.to_lowercase();
+    let renewed = |name: &String| same(name, MANIFEST) || plan.outputs.iter().any(|output| same(&output.name, name));
     let input = |name: &String| plan::reads(material, &request.folder.join(name));
-    let stale: Vec<_> = earlier.into_iter().filter(|name| !renewed(name) && !input(name)).collect();
+    let stale: Vec<_> = earlier.files.into_iter().filter(|name| !renewed(name) && !input(name)).collect();
     stage.commit(MANIFEST, &stale)
 }
 
