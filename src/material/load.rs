@@ -10,7 +10,7 @@ use super::guess::{is_gray, mean_direction, off_unit};
 use super::source::{MapFile, Material, NormalSource, Origin};
 use super::{ChannelRef, DEFAULT_HEIGHT_SCALE, DEFAULT_ROUGHNESS, Inputs, RoughnessInput};
 use super::{NormalRange, NormalY, NormalZ, Role};
-use super::{detect, height, resample};
+use super::{height, names, resample, same_path};
 use crate::codec::{self, Decoded};
 use crate::error::{Error, Result};
 use crate::image::Size;
@@ -197,7 +197,7 @@ impl Builder<'_> {
             }
         }
         let y = self.material.normal_y;
-        if let Some(named) = detect::convention(path)
+        if let Some(named) = names::convention(path)
             && named != y
         {
             let file = path.file_name().unwrap_or_default().to_string_lossy();
@@ -361,9 +361,4 @@ impl Builder<'_> {
 /// A channel in the words of artists.
 fn colour(channel: usize) -> &'static str {
     ["red", "green", "blue", "alpha"].get(channel).unwrap_or(&"further")
-}
-
-/// Whether two spellings mean one file.
-fn same_path(a: &Path, b: &Path) -> bool {
-    a == b || matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b)
 }

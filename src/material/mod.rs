@@ -8,6 +8,7 @@ mod height;
 mod inputs;
 mod inspect;
 mod load;
+mod names;
 mod pack;
 mod resample;
 mod role;
@@ -22,3 +23,8 @@ pub use pack::{Encoding, LevelView};
 pub use role::{NormalRange, NormalY, NormalZ, Role};
 pub use source::{MapFile, Material, Origin};
 pub use texels::Texels;
+
+/// Whether two spellings mean one file.
+pub(crate) fn same_path(a: &std::path::Path, b: &std::path::Path) -> bool {
+    a == b || matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b)
+}

@@ -28,8 +28,9 @@ pub fn write_map(
 ) -> std::io::Result<()> {
     let channels: Vec<_> =
         material.maps[map].raster.channels.iter().map(|name| Channel { name: name.clone(), depth }).collect();
+    let views: Vec<_> = (0..=chain.levels.len()).map(|k| view(material, chain, k)).collect();
     write_exr(out, &channels, material.size, &|level, channel, y, x, row| {
-        view(material, chain, level).row(map, channel, Encoding::Signed, y, x, row);
+        views[level].row(map, channel, Encoding::Signed, y, x, row);
         if depth == Depth::Half {
             row.iter_mut().for_each(|v| *v = v.clamp(-LARGEST_HALF, LARGEST_HALF));
         }

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::{MANIFEST, may_write};
 use crate::codec::Depth;
 use crate::error::{Error, Result};
-use crate::material::{Earlier, MapFile, Material, Origin};
+use crate::material::{Earlier, MapFile, Material, Origin, same_path};
 
 /// A container.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
@@ -146,10 +146,6 @@ pub fn safe_name(name: &str) -> String {
 
 /// Whether a file is an input of the material.
 pub fn reads(material: &Material, file: &Path) -> bool {
-    let input = |map: &MapFile| matches!(&map.origin, Origin::File { path, .. } if same_file(path, file));
+    let input = |map: &MapFile| matches!(&map.origin, Origin::File { path, .. } if same_path(path, file));
     material.maps.iter().any(input)
-}
-
-fn same_file(a: &Path, b: &Path) -> bool {
-    matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b)
 }
