@@ -54,11 +54,14 @@
 //! | [`codec`] | bytes to images and back; knows formats, not meaning |
 //! | [`ndf`] | what a normal distribution is: the GGX lobe, its tensor, images of lobes |
 //! | [`material`] | what channels mean, both ways: roles, packing, file names, repair |
+//! | [`reference`] | the exact NDF and the exact shading of a footprint, in f64 |
+//! | [`compare`] | how far a chain is from that, and a picture from another |
 //! | [`moments`] | sums over a footprint that merge without loss |
 //! | [`fold`] | a footprint becomes a lobe: the list of folds, and the loop over levels |
 //! | [`output`] | a chain becomes files: PNG, EXR, manifest; whole or not at all |
 //! | [`sample`] | six materials made by code |
 //! | [`render`] | a small CPU renderer for evidence |
+//! | [`report`] | the judge's findings for people (one HTML page) and for programs (JSON, CSV) |
 //! | [`cli`] | arguments to library calls to exit code; the only room that prints |
 //!
 //! # Symbols and units
@@ -81,6 +84,7 @@
 
 pub mod cli;
 pub mod codec;
+pub mod compare;
 pub mod error;
 pub mod fold;
 pub mod image;
@@ -88,7 +92,9 @@ pub mod material;
 pub mod moments;
 pub mod ndf;
 pub mod output;
+pub mod reference;
 pub mod render;
+pub mod report;
 pub mod roughness;
 pub mod sample;
 

@@ -2,8 +2,8 @@
 #![allow(clippy::print_stdout)]
 
 use mipfold::codec::{decode, write_png};
-use mipfold::fold::{DEFAULT_FOLD, FOLDS, Fold, Options, base_lobes, chain};
-use mipfold::material::{ChannelRef, Inputs, Material, RoughnessInput, load_with};
+use mipfold::fold::{DEFAULT_FOLD, FOLDS, Fold, Options, chain};
+use mipfold::material::{ChannelRef, Inputs, Material, RoughnessInput, base_lobes, load_with};
 use mipfold::ndf::{Form, Lobes};
 use mipfold::render::{Sampling, Scene, render};
 use mipfold::sample::by_name;

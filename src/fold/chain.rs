@@ -11,7 +11,7 @@ use super::{DEFAULT_FOLD, Fold, Level, level::Band};
 use crate::image::{Size, spans};
 use crate::material::Texels;
 use crate::moments::{Block, Layout, Needs, Quads, Scratch, TexelRows, UNUSABLE_WEIGHT, reduce_rows};
-use crate::ndf::{Form, Lobes, RoughnessTensor};
+use crate::ndf::Form;
 use crate::roughness::Alpha;
 
 /// Levels that one pass over the texels folds: bands of 64 rows are enough to keep many cores busy.
@@ -216,38 +216,6 @@ fn texel_row<'a>(
         [&*xx, &*xy, &*yy]
     });
     TexelRows { normal: [nx, ny, nz], perceptual, tensors }
-}
-
-/// Level 0 as lobes.
-pub fn base_lobes(texels: &dyn Texels, form: Form) -> Lobes {
-    let size = texels.size();
-    let mut lobes = Lobes::zeros(form, size);
-    let rows: Vec<_> = lobes.bands_mut(1).collect();
-    rows.into_par_iter().enumerate().for_each_init(
-        || (Vec::new(), vec![0.0; size.width]),
-        |(scratch, weight), (y, mut out)| {
-            let row = texel_row(texels, 0, y, weight, scratch);
-            for x in 0..size.width {
-                let tensor = match row.tensors {
-                    Some([xx, xy, yy]) => RoughnessTensor { xx: xx[x], xy: xy[x], yy: yy[x] },
-                    None => {
-                        let a2 = row.perceptual[x].powi(4);
-                        RoughnessTensor { xx: a2, xy: 0.0, yy: a2 }
-                    }
-                };
-                for i in 0..3 {
-                    out[(i, 0, x)] = row.normal[i][x];
-                }
-                match form {
-                    Form::Isotropic => out[(3, 0, x)] = tensor.mean(),
-                    Form::Anisotropic => {
-                        [tensor.xx, tensor.xy, tensor.yy].iter().enumerate().for_each(|(i, v)| out[(3 + i, 0, x)] = *v);
-                    }
-                }
-            }
-        },
-    );
-    lobes
 }
 
 /// Two rows of each level of a tile, and scratch rows.

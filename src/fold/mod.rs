@@ -15,7 +15,7 @@ mod sggx;
 mod toksvig;
 mod vmf;
 
-pub use chain::{Chain, Options, base_lobes, chain};
+pub use chain::{Chain, Options, chain};
 pub use level::Level;
 pub use rows::{LobeRow, MomentRow};
 

@@ -1,0 +1,36 @@
+//! The judge's findings, for people (one self-contained HTML page) and for programs (JSON, CSV).
+
+use crate::compare::{Candidate, Judgement, Limit, MotionScore, Settings};
+use crate::material::Material;
+
+/// Everything that a report tells of.
+pub struct Subject<'a> {
+    /// The surface as it is at level 0.
+    pub material: &'a Material,
+    /// The chains, level 0 first.
+    pub chains: &'a [Candidate],
+    /// What the judge said of them, in the same order.
+    pub judgement: &'a Judgement,
+    /// Which of the chains is plain mips, made for comparison.
+    pub plain: Option<usize>,
+    /// What was asked of the other chains.
+    pub limits: &'a [Limit],
+    /// How closely the judge looked.
+    pub settings: &'a Settings,
+    /// The command line that repeats it.
+    pub command: &'a str,
+    /// Pictures in motion, if any were made.
+    pub motion: &'a [Motion],
+}
+
+/// A moving picture and what it says of each chain.
+pub struct Motion {
+    /// "zoom" or "pan".
+    pub name: &'static str,
+    /// The chains and the truth side by side, as an animated PNG.
+    pub apng: Vec<u8>,
+    /// Width and height of the animation in pixels.
+    pub size: (usize, usize),
+    /// For each chain in order.
+    pub scores: Vec<MotionScore>,
+}
