@@ -3,8 +3,12 @@
 
 mod judge;
 mod limit;
+mod measure;
 mod score;
+#[cfg(test)]
+mod tests;
 
-pub use judge::{Candidate, Settings, judge};
+pub use judge::{Candidate, LOBES_A_LEVEL, Settings, judge};
 pub use limit::{Breach, Limit, Metric};
+pub use measure::{LIGHT_RADIUS, VIEWS};
 pub use score::{ChainScore, Energy, Judgement, LevelScore, MotionScore, Place, Summary, WorstTexel};

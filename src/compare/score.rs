@@ -18,6 +18,29 @@ pub struct Summary {
     pub stderr: f64,
 }
 
+impl Summary {
+    /// Of one value and the variance of its estimate for each judged texel, `share` of all texels of the level.
+    pub(super) fn of(values: &[(f64, f64)], share: f64) -> Self {
+        let n = values.len() as f64;
+        let mean = values.iter().map(|v| v.0).sum::<f64>() / n;
+        let noise = values.iter().map(|v| v.1).sum::<f64>() / n;
+        let spread = values.iter().map(|v| (v.0 - mean).powi(2)).sum::<f64>() / (n - 1.0).max(1.0);
+        // The spread between texels counts as far as texels were left out; it holds the noise of each already.
+        let variance = ((1.0 - share) * (spread - noise).max(0.0) + noise) / n;
+        let mut sorted: Vec<f64> = values.iter().map(|v| v.0).collect();
+        sorted.sort_by(f64::total_cmp);
+        Self { mean, median: quantile(&sorted, 0.5), p95: quantile(&sorted, 0.95), stderr: variance.sqrt() }
+    }
+}
+
+/// Between the two nearest of sorted values (Hyndman & Fan 1996, type 7).
+fn quantile(sorted: &[f64], q: f64) -> f64 {
+    let place = q * (sorted.len() - 1) as f64;
+    let (low, t) = (place as usize, place.fract());
+    let high = (low + 1).min(sorted.len() - 1);
+    sorted[low] + (sorted[high] - sorted[low]) * t
+}
+
 /// Reflected energy of the chain over that of the truth, white metal (F = 1): means over views and texels, 1 is right.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Energy {
@@ -27,7 +50,7 @@ pub struct Energy {
     pub stderr: f64,
     /// With multiple-scattering compensation on both sides (Turquin 2019).
     pub compensated: f64,
-    /// `mean` for each of the views (0, 30, 30, 60 and 60 degrees).
+    /// `mean` for each of the views ([`super::VIEWS`]).
     pub views: Vec<f64>,
 }
 
@@ -70,7 +93,7 @@ pub struct LevelScore {
     pub ndf_tv: Summary,
     /// Hellinger distance between the NDFs, 0 to 1.
     pub ndf_hellinger: Summary,
-    /// Kullback-Leibler divergence of the chain's NDF from the truth, nats.
+    /// Kullback-Leibler divergence of the chain's NDF from the truth, nats, over the normals that both have.
     pub ndf_kl: Summary,
     /// Energy ratios.
     pub energy: Energy,

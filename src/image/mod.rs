@@ -6,7 +6,7 @@ mod raster;
 mod span;
 
 pub use raster::{Raster, Samples};
-pub use span::{Span, spans};
+pub use span::{Span, span, spans};
 
 /// Width and height in texels, both at least 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]

@@ -11,25 +11,26 @@ pub struct Span {
     pub weights: Vec<f32>,
 }
 
-/// The spans of all `target` texels over a row of `source` texels, `target <= source`: texel `i` covers
+/// The span of texel `i` of `target` over a row of `source` texels, `target <= source`: it covers
 /// `[i, i + 1) * source / target`. Lengths are rational with denominator `target`, so each is rounded once.
-pub fn spans(source: usize, target: usize) -> Vec<Span> {
-    assert!(target >= 1 && target <= source);
-    (0..target)
-        .map(|i| {
-            // In units of 1/target of a source texel.
-            let (start, end) = (i * source, (i + 1) * source);
-            let first = start / target;
-            let last = end.div_ceil(target);
-            let weights = (first..last)
-                .map(|j| {
-                    let overlap = end.min((j + 1) * target) - start.max(j * target);
-                    (overlap as f64 / target as f64) as f32
-                })
-                .collect();
-            Span { first, weights }
+pub fn span(source: usize, target: usize, i: usize) -> Span {
+    assert!(target >= 1 && target <= source && i < target);
+    // In units of 1/target of a source texel.
+    let (start, end) = (i * source, (i + 1) * source);
+    let first = start / target;
+    let last = end.div_ceil(target);
+    let weights = (first..last)
+        .map(|j| {
+            let overlap = end.min((j + 1) * target) - start.max(j * target);
+            (overlap as f64 / target as f64) as f32
         })
-        .collect()
+        .collect();
+    Span { first, weights }
+}
+
+/// The spans of all `target` texels.
+pub fn spans(source: usize, target: usize) -> Vec<Span> {
+    (0..target).map(|i| span(source, target, i)).collect()
 }
 
 #[cfg(test)]
