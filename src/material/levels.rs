@@ -196,7 +196,11 @@ fn read(inputs: &Inputs, maps: &Maps) -> Result<LevelChain> {
     }
     if count > size.level_count() {
         let key = &maps.0[0].key;
-        return Err(Error::invalid(key, format!("{count} levels"), format!("{} at most for {size}", size.level_count())));
+        return Err(Error::invalid(
+            key,
+            format!("{count} levels"),
+            format!("{} at most for {size}", size.level_count()),
+        ));
     }
     let settled = settle(inputs, &level_0);
     let form = if level_0.is_anisotropic() { Form::Anisotropic } else { Form::Isotropic };

@@ -9,8 +9,7 @@ use crate::codec;
 use crate::error::{Error, Result};
 use crate::image::{Size, Wrap};
 use crate::material::{
-    ChannelRef, GENERATOR, Inputs, MANIFEST, Material, NormalRange, NormalY, NormalZ, RoughnessInput, SCHEMA,
-    load_with,
+    ChannelRef, GENERATOR, Inputs, MANIFEST, Material, NormalRange, NormalY, NormalZ, RoughnessInput, SCHEMA, load_with,
 };
 use crate::ndf::Form;
 use crate::roughness::PerceptualRoughness;
@@ -124,7 +123,11 @@ pub fn read_folder(folder: &Path, container: Option<Container>) -> Result<LevelC
     let found = chain.levels[0].size();
     let size = built.manifest.size;
     if found != size {
-        return Err(Error::invalid(folder, format!("files of {found} texels"), format!("{size}, as its {MANIFEST} says")));
+        return Err(Error::invalid(
+            folder,
+            format!("files of {found} texels"),
+            format!("{size}, as its {MANIFEST} says"),
+        ));
     }
     built.as_given(&mut chain.level_0);
     chain.fold = Some(built.fold());

@@ -9,7 +9,8 @@ use super::{LevelChain, right_size};
 use crate::codec::{self, Decoded};
 use crate::error::{Error, Result};
 use crate::image::{Raster, Samples, Size};
-use crate::material::{ChannelRef, Inputs, NormalRange, NormalZ, RoughnessInput, load_with};
+use crate::material::source::SHORTEST_NORMAL;
+use crate::material::{ChannelRef, Inputs, Material, NormalRange, NormalZ, RoughnessInput, load_with};
 use crate::ndf::{Axes, Form, Lobe, Lobes, RoughnessTensor};
 use crate::roughness::Alpha;
 
@@ -60,9 +61,10 @@ fn sound(path: &Path, raster: &Raster, channels: [usize; 6], level: usize) -> Re
     let Size { width, height } = raster.size();
     for (y, x) in (0..height).flat_map(|y| (0..width).map(move |x| (y, x))) {
         let values = texel(raster, channels, x, y);
-        let [_, _, nz, ax, ay, _] = values;
+        let [nx, ny, nz, ax, ay, _] = values;
+        let directed = nz > 0.0 && Vec3::new(nx, ny, nz).length() > SHORTEST_NORMAL;
         let width = 0.0..=1.0;
-        if values.iter().all(|v| v.is_finite()) && nz > 0.0 && width.contains(&ax) && width.contains(&ay) {
+        if values.iter().all(|v| v.is_finite()) && directed && width.contains(&ax) && width.contains(&ay) {
             continue;
         }
         let found = format!("{values:?} at column {x}, row {y} of level {level}");
@@ -83,7 +85,7 @@ fn lobes(raster: &Raster, channels: [usize; 6], form: Form) -> Lobes {
 }
 
 /// Level 0 as a material: its lobes as float maps, anisotropy in glTF's form.
-fn material(path: &Path, picture: &Decoded, lobes: &Lobes) -> Result<crate::material::Material> {
+fn material(path: &Path, picture: &Decoded, lobes: &Lobes) -> Result<Material> {
     let Size { width, height } = lobes.size();
     let map = |texel: &dyn Fn(Lobe) -> [f32; 3]| Decoded {
         raster: Raster::new(Samples::F32(Array3::from_shape_fn((height, width, 3), |(y, x, c)| {
