@@ -128,7 +128,8 @@ fn say_base(material: &Material, origin: &str, report: &Report) {
 fn say_chain(chain: &Chain, read: &LevelChain, base: &str, report: &Report) {
     let fold = read.fold.as_ref().map(|fold| format!(", fold {fold}")).unwrap_or_default();
     report.say(&format!("{}: {} levels{fold}", chain.name, read.levels.len()));
-    if *base != format!("level 0 of {}", chain.name) {
+    // Of a folder the build has told.
+    if *base != format!("level 0 of {}", chain.name) && !matches!(chain.source, Source::Folder(..)) {
         read.level_0.notes.iter().for_each(|note| report.say(&format!("  {note}")));
         read.level_0.warnings.iter().for_each(|warning| report.warning(&format!("{}: {warning}", chain.name)));
     }

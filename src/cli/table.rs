@@ -6,9 +6,12 @@ use crate::ndf::Form;
 /// A chain's levels, one a line, figures aligned.
 pub fn table(chain: &ChainScore) -> String {
     let widths = if chain.lobes == Form::Anisotropic { "two widths" } else { "one width" };
-    let fold = chain.fold.as_ref().filter(|fold| **fold != chain.name).map(|fold| format!("fold {fold}; "));
+    let mut about: Vec<&str> = chain.fold.iter().filter(|fold| **fold != chain.name).map(String::as_str).collect();
+    if !about.iter().any(|fold| fold.contains(widths)) {
+        about.push(widths);
+    }
     let mut lines = vec![
-        format!("\n{} ({}{widths})", chain.name, fold.unwrap_or_default()),
+        format!("\n{} ({})", chain.name, about.join(", ")),
         format!(
             "{:>5}  {:>11}  {:>7}  {:>15}  {:>6}  {:>6}  {:>6}  {:>7}",
             "level", "size", "samples", "lobe error", "p95", "ndf tv", "energy", "diffuse"
@@ -46,7 +49,7 @@ mod tests {
         };
         let text = table(&chain);
         let lines: Vec<&str> = text.trim_start().lines().collect();
-        assert_eq!(lines[0], "mine (fold lean; one width)");
+        assert_eq!(lines[0], "mine (lean, one width)");
         let end = |line: &str, word: &str| line.find(word).unwrap() + word.len();
         assert_eq!(lines[1].len(), lines[2].len());
         assert_eq!(lines[2].len(), lines[3].len());

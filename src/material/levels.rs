@@ -239,3 +239,6 @@ fn right_size(path: &Path, found: Size, base: Size, level: usize) -> Result<()> 
     };
     Err(Error::invalid(path, found, expected))
 }
+
+#[cfg(test)]
+mod tests;

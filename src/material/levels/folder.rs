@@ -92,7 +92,7 @@ struct Manifest {
 
 /// Reads the chain of a folder that a build wrote: its PNGs if there are any, else its mip-mapped OpenEXR maps, else its
 /// lobes; or the container that is asked for. Conventions come from the manifest. Where the build had one number for
-/// the roughness, `level_0` has it as it was given, not as the PNG rounds it.
+/// the roughness, `level_0` has it as it was given, not as a PNG rounds it.
 ///
 /// # Errors
 /// No manifest of a build, or one of another form; a container that was not built; files that are gone or have changed
@@ -130,6 +130,8 @@ pub fn read_folder(folder: &Path, container: Option<Container>) -> Result<LevelC
         ));
     }
     built.as_given(&mut chain.level_0);
+    // Those of reading name options that do not hold here.
+    chain.level_0.notes = vec![format!("normals are {}, as the manifest says", built.manifest.normal_y.describe())];
     chain.fold = Some(built.fold());
     Ok(chain)
 }
