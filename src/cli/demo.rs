@@ -59,7 +59,7 @@ fn one(sample: &Sample, args: &DemoArgs, options: &Options, global: &Global, rep
     // A folder whose chain is ours is ours.
     let force = global.force || Earlier::read(&folder.join("mips")).is_some();
     may_write(&folder, ["normal.png", "orm.png", "distance.png"], force)?;
-    may_write(&folder, REPORT_FILES, force || is_report(&folder))?;
+    may_write(&folder, REPORT_FILES, global.force || is_report(&folder))?;
     let maps = (sample.make)(usize::from(args.size), args.seed);
     if !global.dry_run {
         write_pictures(&folder, &[("normal.png", &maps.normal), ("orm.png", &maps.orm)])?;
