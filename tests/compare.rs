@@ -230,9 +230,11 @@ fn conventions_of_foreign_chains_are_understood() {
     let at = |chain| [0, 1, 2].map(|level| error(&report, chain, level));
     let own = at(0);
     assert_eq!(own[0], 0.0);
-    assert_eq!((at(1), at(2)), (own, own));
-    // z of two channels is rebuilt: equal up to the rounding of a stored z.
-    assert!(at(3).iter().zip(own).all(|(a, b)| (a - b).abs() < 0.05), "{:?} {own:?}", at(3));
+    // Turned signs and 1 - smoothness round in the last bit of a float. z of two channels is rebuilt: equal up to the
+    // rounding of a stored z.
+    for (chain, most) in [(1, 1e-4), (2, 1e-4), (3, 0.05)] {
+        assert!(at(chain).iter().zip(own).all(|(a, b)| (a - b).abs() < most), "{:?} {own:?}", at(chain));
+    }
     assert!(at(4)[0] > 0.2, "a convention read wrongly must show: {:?}", at(4));
 }
 
@@ -284,11 +286,12 @@ fn limits_decide_the_exit_code() {
 #[ignore = "needs the judge"]
 fn equal_seeds_give_equal_reports() {
     let desk = built();
-    let report = |args: &str| json(&desk, &format!("@out {QUICK} {args}"))["chains"].clone();
-    assert_eq!(report("--seed 7 --threads 1"), report("--seed 7 --threads 2"));
-    assert_ne!(report("--seed 7"), report("--seed 8"));
-    assert_ne!(report("--interpolation constant"), report("--interpolation bilinear"));
-    assert_ne!(report("--levels 5"), report("--levels 5 --subset 16"));
+    let report = |args: &str| json(&desk, &format!("@out --texels 4 --directions 8 {args}"))["chains"].clone();
+    let differ = |a: &str, b: &str| assert!(report(a) != report(b), "{a} is {b}");
+    assert_eq!(report("--levels 0-2 --seed 7 --threads 1"), report("--levels 0-2 --seed 7 --threads 2"));
+    differ("--levels 0-2 --seed 7", "--levels 0-2 --seed 8");
+    differ("--levels 2 --interpolation constant", "--levels 2 --interpolation bilinear");
+    differ("--levels 5", "--levels 5 --subset 16");
 }
 
 /// Real textures: what was built is right at level 0, whatever its packing, depth or convention.

@@ -10,7 +10,7 @@ use crate::codec::{self, Decoded};
 use crate::error::{Error, Result};
 use crate::image::{Raster, Samples, Size};
 use crate::material::source::SHORTEST_NORMAL;
-use crate::material::{ChannelRef, Inputs, Material, NormalRange, NormalZ, RoughnessInput, load_with};
+use crate::material::{ChannelRef, Inputs, Material, NormalRange, NormalZ, Origin, RoughnessInput, load_with};
 use crate::ndf::{Axes, Form, Lobe, Lobes, RoughnessTensor};
 use crate::roughness::Alpha;
 
@@ -123,7 +123,8 @@ fn material(path: &Path, picture: &Decoded, lobes: &Lobes) -> Result<Material> {
     };
     let mut material = load_with(&inputs, &read)?;
     // The maps above are not files that anyone could look for.
-    let file = path.file_name().unwrap_or_default().to_string_lossy();
-    material.notes = vec![format!("normals and widths of {file}, level 0")];
+    let origin = format!("level 0 of {}", path.file_name().unwrap_or_default().to_string_lossy());
+    material.maps.iter_mut().for_each(|map| map.origin = Origin::Generated(origin.clone()));
+    material.notes = vec![format!("normals and widths: {origin}")];
     Ok(material)
 }
