@@ -71,21 +71,41 @@ fn table_of_folds_is_the_list_of_folds() {
     assert_eq!(rows(table), expected, "BLESS=1 cargo test --test readme writes the table again");
 }
 
+/// Makes the chains that `compare` shall read: the folder `out`, and a picture a level where a path has `%d`.
+fn chains(arguments: &[&str], folder: &Path) {
+    if arguments.contains(&"out") {
+        run(&["build", "textures/wall", "-o", "out"], folder);
+    }
+    for path in arguments.iter().flat_map(|argument| argument.split([',', '='])).filter(|part| part.contains("%d")) {
+        let path = path.split(':').next().unwrap();
+        (0..5).for_each(|k| sized_picture(&folder.join(path.replace("%d", &k.to_string())), 16 >> k));
+    }
+}
+
 /// A picture of one texel colour in 16 x 16: flat normals, or mid roughness with as many channels as a map may need.
 fn picture(path: &Path) {
+    sized_picture(path, 16);
+}
+
+fn sized_picture(path: &Path, side: usize) {
     let normal = path.to_string_lossy().contains("normal");
     let texel: &[u8] = if normal { &[128, 128, 255] } else { &[255, 128, 0, 128] };
-    let samples = Array3::from_shape_fn((16, 16, texel.len()), |(_, _, c)| texel[c]);
+    let samples = Array3::from_shape_fn((side, side, texel.len()), |(_, _, c)| texel[c]);
     fs::create_dir_all(path.parent().unwrap()).unwrap();
     write_png(fs::File::create(path).unwrap(), &Raster::new(Samples::U8(samples))).unwrap();
 }
 
 /// Runs `mipfold` with these arguments, after the inputs that they name were made.
 fn run(arguments: &[&str], folder: &Path) {
-    let mut values = arguments.iter().copied().skip_while(|a| *a != "build").skip(1).peekable();
+    if arguments.first() == Some(&"compare") {
+        chains(arguments, folder);
+    }
+    let command = |a: &&str| !["build", "compare"].contains(a);
+    let mut values = arguments.iter().copied().skip_while(command).skip(1).peekable();
     while let Some(argument) = values.next() {
         match argument {
             "-o" => drop(values.next()),
+            _ if argument.contains('=') => {}
             _ if argument.contains(".png") => picture(&folder.join(argument.split(':').next().unwrap())),
             _ if argument.contains('/') => {
                 picture(&folder.join(argument).join("wall_normal.png"));
@@ -128,7 +148,7 @@ fn commands_work() {
 /// `demo --list` and the like in running text.
 #[test]
 fn options_in_the_text_exist() {
-    let help: String = [["build", "--help"], ["demo", "--help"]]
+    let help: String = [["build", "--help"], ["compare", "--help"], ["demo", "--help"]]
         .map(|arguments| {
             let output = Command::new(env!("CARGO_BIN_EXE_mipfold")).args(arguments).output().unwrap();
             String::from_utf8(output.stdout).unwrap()

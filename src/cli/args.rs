@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
+use super::compare_args::CompareArgs;
 use crate::codec::Depth;
 use crate::fold::{DEFAULT_FOLD, FOLDS, Fold, Options};
 use crate::image::Wrap;
@@ -12,13 +13,16 @@ use crate::ndf::Form;
 use crate::output::Format;
 use crate::roughness::Alpha;
 
+/// For the ends of helps.
+pub const EXIT_CODES: &str = "Exit codes: 0 done, 1 a check failed, 2 bad usage or input.";
+
 /// Mip chains that keep a material looking the same at every distance.
 ///
 /// When a normal map is minified its bumps average away, and the far surface turns too smooth and too shiny. mipfold
 /// folds the lost bumps into the roughness of each mip level.
 #[derive(Parser)]
 #[command(name = "mipfold", version, max_term_width = 100)]
-#[command(after_help = "Exit codes: 0 done, 2 bad usage or input.")]
+#[command(after_help = EXIT_CODES)]
 pub struct Cli {
     #[command(subcommand)]
     pub command: Command,
@@ -49,17 +53,19 @@ pub struct Global {
 pub enum Command {
     /// Build a folded mip chain from a normal map and a roughness map, or from a folder of texture sets
     Build(BuildArgs),
-    /// Make a sample material, build its chain, and draw it from near to far: plain mips, folded, truth
+    /// Judge mip chains, of whatever origin, against the exact truth of their level 0
+    Compare(CompareArgs),
+    /// Make a sample material, build and judge its chain, and draw it from near to far
     Demo(DemoArgs),
 }
 
 /// Names of folds, for the help.
-fn fold_list() -> String {
+pub fn fold_list() -> String {
     let lines = FOLDS.iter().map(|fold| {
         let form = if fold.anisotropic.is_some() { "" } else { " (one width only)" };
         format!("  {:<18} {}{form}", fold.name, fold.about)
     });
-    format!("Folds:\n{}\n\nExit codes: 0 done, 2 bad usage or input.", lines.collect::<Vec<_>>().join("\n"))
+    format!("Folds:\n{}\n\n{EXIT_CODES}", lines.collect::<Vec<_>>().join("\n"))
 }
 
 #[derive(Args)]
@@ -174,7 +180,7 @@ pub struct DemoArgs {
     /// Name the samples and stop
     #[arg(long)]
     pub list: bool,
-    /// Folder for the sample's maps, its chain and the picture
+    /// Folder for the sample's maps, its chain, the picture and the report
     #[arg(long, short, value_name = "DIR", default_value = "mipfold-demo")]
     pub output: PathBuf,
     /// Texels along each side
@@ -250,7 +256,7 @@ impl BuildArgs {
     }
 }
 
-fn fold_name(name: &str) -> Result<&'static Fold, String> {
+pub fn fold_name(name: &str) -> Result<&'static Fold, String> {
     Fold::by_name(name).map_err(|_| {
         let names: Vec<_> = FOLDS.iter().map(|fold| fold.name).collect();
         format!("expected one of {}", names.join(", "))

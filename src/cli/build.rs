@@ -4,18 +4,24 @@ use std::path::Path;
 
 use rayon::prelude::*;
 
-use super::args::{BuildArgs, Global, MapArgs};
+use super::args::{BuildArgs, Global};
+use super::inputs::{folder, read_as, single};
 use super::job::Job;
 use super::report::Report;
 use crate::codec;
 use crate::error::{Error, Result};
-use crate::material::{ChannelRef, Inputs, NormalY, RoughnessInput, detect};
+use crate::material::Inputs;
 use crate::output::{Request, safe_name};
-use crate::roughness::PerceptualRoughness;
 
 pub fn run(args: &BuildArgs, global: &Global, report: &mut Report) -> Result<()> {
     let options = args.folding.options(args.moments)?;
-    let found = if args.inputs.is_empty() { vec![single(&args.maps, args.reading.normal_y)] } else { folders(args) };
+    let (maps, reading) = (&args.maps, &args.reading);
+    let found: Vec<Result<Inputs>> = if args.inputs.is_empty() {
+        vec![single(maps, reading, "build")]
+    } else {
+        let sets = args.inputs.iter().map(|input| folder(input, maps, reading));
+        sets.flat_map(|sets| sets.unwrap_or_else(|error| vec![Err(error)])).collect()
+    };
     let alone = found.len() == 1;
     if args.maps.name.is_some() && !alone {
         let expected = "one material; several are named after their files";
@@ -24,7 +30,7 @@ pub fn run(args: &BuildArgs, global: &Global, report: &mut Report) -> Result<()>
     let mut sets = Vec::new();
     for set in found {
         match set {
-            Ok(set) => sets.push(read_as(set, args)?),
+            Ok(set) => sets.push(read_as(set, maps, reading)?),
             Err(error) => report.error(&error),
         }
     }
@@ -53,93 +59,6 @@ pub fn run(args: &BuildArgs, global: &Global, report: &mut Report) -> Result<()>
         }
     }
     Ok(())
-}
-
-/// The options that hold for all materials.
-fn read_as(set: Inputs, args: &BuildArgs) -> Result<Inputs> {
-    let given = given_width(&args.maps)?;
-    Ok(Inputs {
-        name: args.maps.name.clone().unwrap_or(set.name),
-        roughness: if given == RoughnessInput::Missing { set.roughness } else { given },
-        normal_z: args.reading.normal_z,
-        normal_range: args.reading.normal_range,
-        normal_scale: Some(args.reading.normal_scale),
-        height_scale: args.reading.height_scale,
-        wrap: args.reading.wrap.into(),
-        ..set
-    })
-}
-
-/// The roughness that flags give.
-fn given_width(maps: &MapArgs) -> Result<RoughnessInput> {
-    let orm = maps.orm.as_ref().map(|path| ChannelRef { path: path.clone(), channel: Some(1) });
-    Ok(match (&maps.roughness, &maps.gloss, orm) {
-        (Some(text), _, _) => roughness(text)?,
-        (_, Some(text), _) => smoothness(text)?,
-        (_, _, Some(orm)) => RoughnessInput::Roughness(orm),
-        _ => RoughnessInput::Missing,
-    })
-}
-
-/// A material from flags.
-fn single(maps: &MapArgs, normal_y: NormalY) -> Result<Inputs> {
-    let roughness = given_width(maps)?;
-    let first = maps.normal.as_deref().or(maps.height.as_deref()).or(match &roughness {
-        RoughnessInput::Roughness(c) | RoughnessInput::Smoothness(c) => Some(c.path.as_path()),
-        _ => None,
-    });
-    let Some(first) = first else {
-        return Err(Error::invalid_option("build", "no maps", "a folder, or --normal, --height or --roughness FILE"));
-    };
-    Ok(Inputs {
-        name: first.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
-        normal: maps.normal.clone(),
-        roughness,
-        anisotropy: maps.anisotropy.clone(),
-        height: maps.height.clone(),
-        normal_y,
-        ..Inputs::default()
-    })
-}
-
-/// A number, or a channel of a file.
-fn roughness(text: &str) -> Result<RoughnessInput> {
-    match text.parse::<f32>() {
-        Ok(r) if (0.0..=1.0).contains(&r) => Ok(RoughnessInput::Constant(PerceptualRoughness(r))),
-        Ok(r) => Err(Error::invalid_option("--roughness", r.to_string(), "a number from 0 to 1, or a file")),
-        Err(_) => Ok(RoughnessInput::Roughness(ChannelRef::parse(text))),
-    }
-}
-
-/// The same, for gloss.
-fn smoothness(text: &str) -> Result<RoughnessInput> {
-    match text.parse::<f32>() {
-        Ok(s) if (0.0..=1.0).contains(&s) => Ok(RoughnessInput::Constant(PerceptualRoughness::from_smoothness(s))),
-        Ok(s) => Err(Error::invalid_option("--gloss", s.to_string(), "a number from 0 to 1, or a file")),
-        Err(_) => Ok(RoughnessInput::Smoothness(ChannelRef::parse(text))),
-    }
-}
-
-fn folders(args: &BuildArgs) -> Vec<Result<Inputs>> {
-    let width_given = args.maps.roughness.is_some() || args.maps.gloss.is_some();
-    let mut sets = Vec::new();
-    for input in &args.inputs {
-        let extension = input.extension().unwrap_or_default().to_string_lossy().to_lowercase();
-        if input.is_file() {
-            let hint = if extension == "glb" || extension == "gltf" {
-                "a folder of texture files; glTF is not read yet"
-            } else {
-                "a folder; single maps are given with --normal and --roughness"
-            };
-            sets.push(Err(Error::unsupported(input, "a single file", hint)));
-            continue;
-        }
-        match detect::folder(input, args.reading.normal_y, width_given) {
-            Ok(found) => sets.extend(found),
-            Err(error) => sets.push(Err(error)),
-        }
-    }
-    sets
 }
 
 /// A folder for each material, named apart.

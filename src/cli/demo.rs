@@ -3,20 +3,30 @@
 use std::path::Path;
 
 use super::args::{DemoArgs, Global};
+use super::compare::{levels, plain_mips};
+use super::compare_output::verdict;
 use super::job::{Done, Job};
+use super::judging::{Judging, REPORT_FILES, is_report};
 use super::report::Report;
 use crate::codec::{decode, write_png};
+use crate::compare::{Candidate, Settings};
 use crate::error::{Error, Result};
-use crate::fold::{Fold, Options, chain};
+use crate::fold::Options;
 use crate::image::Raster;
-use crate::material::{ChannelRef, Earlier, Inputs, Material, RoughnessInput, base_lobes};
-use crate::ndf::Lobes;
+use crate::material::{ChannelRef, Earlier, Inputs, RoughnessInput};
 use crate::output::{Format, Request, Stage, may_write};
+use crate::reference::Reading;
 use crate::render::{DISTANCES, Scene, distance_strip};
 use crate::sample::{SAMPLES, Sample, by_name};
 
 /// Pixels along each side of a cell of the picture.
 const CELL: usize = 160;
+
+/// How closely the sample is judged: a look of seconds, not a measurement. `mipfold compare` takes its time.
+fn quick() -> Settings {
+    let reading = Reading { most_texels: Some(1024), ..Reading::default() };
+    Settings { texels: 12, directions: 32, reading, ..Settings::default() }
+}
 
 pub fn run(args: &DemoArgs, global: &Global, report: &mut Report) -> Result<()> {
     if args.list {
@@ -49,6 +59,7 @@ fn one(sample: &Sample, args: &DemoArgs, options: &Options, global: &Global, rep
     // A folder whose chain is ours is ours.
     let force = global.force || Earlier::read(&folder.join("mips")).is_some();
     may_write(&folder, ["normal.png", "orm.png", "distance.png"], force)?;
+    may_write(&folder, REPORT_FILES, global.force || is_report(&folder))?;
     let maps = (sample.make)(usize::from(args.size), args.seed);
     if !global.dry_run {
         write_pictures(&folder, &[("normal.png", &maps.normal), ("orm.png", &maps.orm)])?;
@@ -77,22 +88,33 @@ fn one(sample: &Sample, args: &DemoArgs, options: &Options, global: &Global, rep
     let Done { material, options, chain: folded, built } = job.run(global.dry_run, &report.progress)?;
     report.built(built);
     if let Some(folded) = folded {
+        let fold = Some(options.fold.name.to_owned());
+        let folded = Candidate { name: "folded".into(), fold, levels: levels(&material, folded, options.form) };
+        let candidates = [folded, plain_mips(&material)?];
         report.progress.set_message("drawing near to far");
-        let average = Options { fold: Fold::by_name("average")?, ..options };
-        let plain = levels(&material, chain(&material, &average), &options);
-        let folded = levels(&material, folded, &options);
-        let strip = distance_strip(&Scene::studio(), &[("plain mips", &plain), ("folded", &folded)], CELL, &DISTANCES);
-        write_pictures(&folder, &[("distance.png", &strip)])?;
-        let path = folder.join("distance.png");
-        report.say(&format!("  from near to far, plain mips, folded and truth: {}", path.display()));
+        let rows = [("plain mips", &candidates[1].levels[..]), ("folded", &candidates[0].levels[..])];
+        let strip = distance_strip(&Scene::studio(), &rows, CELL, &DISTANCES);
+        let judging = Judging {
+            material: &material,
+            candidates: &candidates,
+            plain: Some(1),
+            settings: &quick(),
+            limits: &[],
+            motion: false,
+        };
+        judging.run(report, |findings, report| {
+            let stage = Stage::new(&folder)?;
+            stage.write("distance.png", |out| write_png(out, &strip))?;
+            findings.write(&stage, report)?;
+            stage.commit(REPORT_FILES[0], &[])?;
+            let path = |name: &str| folder.join(name).display().to_string();
+            report.say(&format!("  from near to far, plain mips, folded and truth: {}", path("distance.png")));
+            report.say(&format!("  judged quickly: {}", path("report.html")));
+            report.say(&format!("  {}", verdict(&findings.subject).text));
+            Ok(())
+        })?;
     }
     Ok(())
-}
-
-/// All levels as lobes, the finest first.
-fn levels(material: &Material, chain: crate::fold::Chain, options: &Options) -> Vec<Lobes> {
-    let base = base_lobes(material, options.form);
-    std::iter::once(base).chain(chain.levels.into_iter().map(|level| level.lobes)).collect()
 }
 
 fn write_pictures(folder: &Path, pictures: &[(&str, &Raster)]) -> Result<()> {

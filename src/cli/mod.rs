@@ -3,9 +3,16 @@
 
 mod args;
 mod build;
+mod chains;
+mod compare;
+mod compare_args;
+mod compare_output;
 mod demo;
+mod inputs;
 mod job;
+mod judging;
 mod report;
+mod table;
 
 use std::process::ExitCode;
 
@@ -14,7 +21,7 @@ use clap::Parser;
 use args::{Cli, Command};
 use report::Report;
 
-/// Runs the command line. Exit codes: 0 done, 2 bad usage or input.
+/// Runs the command line. Exit codes: 0 done, 1 a check failed, 2 bad usage or input.
 pub fn run() -> ExitCode {
     let cli = Cli::parse();
     if let Some(threads) = cli.global.threads
@@ -26,6 +33,7 @@ pub fn run() -> ExitCode {
     let mut report = Report::new(&cli.global);
     let result = match &cli.command {
         Command::Build(args) => build::run(args, &cli.global, &mut report),
+        Command::Compare(args) => compare::run(args, &cli.global, &mut report),
         Command::Demo(args) => demo::run(args, &cli.global, &mut report),
     };
     if let Err(error) = result {

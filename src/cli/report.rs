@@ -39,6 +39,10 @@ pub struct Report {
     dry_run: bool,
     built: Vec<Built>,
     errors: Vec<String>,
+    /// Whether a check failed.
+    failed: bool,
+    /// What `--json` prints where it is not the list of materials.
+    document: Option<String>,
     /// Whether standard output failed.
     unsaid: Cell<bool>,
     /// Hidden unless standard error is a terminal.
@@ -58,9 +62,17 @@ impl Report {
             dry_run: global.dry_run,
             built: vec![],
             errors: vec![],
+            failed: false,
+            document: None,
             unsaid: Cell::new(false),
             progress,
         }
+    }
+
+    /// Room on the bar for one more piece of work, of which only the share that is done is known.
+    pub fn portion(&self) -> Portion {
+        self.progress.inc_length(Portion::STEPS);
+        Portion { bar: self.progress.clone(), start: self.progress.position() }
     }
 
     /// A line for people.
@@ -98,13 +110,28 @@ impl Report {
         if self.dry_run {
             built.files.iter().for_each(|file| self.say(&format!("  {file}")));
         }
-        if !self.json {
-            for warning in &built.warnings {
-                let name = if warning.starts_with(&built.name) { String::new() } else { format!("{}: ", built.name) };
-                self.complain(&format!("warning: {name}{warning}"));
-            }
+        for warning in &built.warnings {
+            let name = if warning.starts_with(&built.name) { String::new() } else { format!("{}: ", built.name) };
+            self.warning(&format!("{name}{warning}"));
         }
         self.built.push(built);
+    }
+
+    pub fn warning(&self, text: &str) {
+        if !self.json {
+            self.complain(&format!("warning: {text}"));
+        }
+    }
+
+    /// A check that failed, in one line.
+    pub fn failure(&mut self, text: &str) {
+        self.complain(&format!("failed: {text}"));
+        self.failed = true;
+    }
+
+    /// What `--json` prints if there are no errors.
+    pub fn document(&mut self, json: String) {
+        self.document = Some(json);
     }
 
     pub fn error(&mut self, error: &Error) {
@@ -120,11 +147,35 @@ impl Report {
         if self.json {
             let Report { built, errors, dry_run, .. } = &self;
             let json = Json { schema: 1, dry_run: *dry_run, materials: built, errors };
-            self.out(&serde_json::to_string_pretty(&json).expect("plain data"));
+            let list = || serde_json::to_string_pretty(&json).expect("plain data");
+            let document = self.document.as_ref().filter(|_| errors.is_empty());
+            self.out(document.map_or_else(list, |text| text.trim_end().to_owned()).as_str());
         }
         if self.unsaid.get() {
             self.complain("error: standard output cannot be written");
         }
-        if self.errors.is_empty() && !self.unsaid.get() { ExitCode::SUCCESS } else { ExitCode::from(2) }
+        if !self.errors.is_empty() || self.unsaid.get() {
+            ExitCode::from(2)
+        } else if self.failed {
+            ExitCode::from(1)
+        } else {
+            ExitCode::SUCCESS
+        }
+    }
+}
+
+/// A piece of work on the bar.
+pub struct Portion {
+    bar: ProgressBar,
+    start: u64,
+}
+
+impl Portion {
+    /// As fine as a bar of 30 characters can show.
+    const STEPS: u64 = 100;
+
+    /// Shows the share that is done, 0 to 1.
+    pub fn show(&self, share: f64) {
+        self.bar.set_position(self.start + (share.clamp(0.0, 1.0) * Self::STEPS as f64) as u64);
     }
 }

@@ -170,12 +170,11 @@ pub fn read_exr_levels(path: &Path) -> Result<Vec<Raster>> {
     source.guard(|| Layer::open(&source)?.levels(usize::MAX, |names| (0..names.len()).collect()))
 }
 
-/// Level 0, with channels in the order that people expect.
-pub(super) fn decode(source: &Source) -> Result<(Raster, Vec<String>)> {
+/// The largest `count` levels, with channels in the order that people expect.
+pub(super) fn decode(source: &Source, count: usize) -> Result<(Vec<Raster>, Vec<String>)> {
     let layer = Layer::open(source)?;
     let notes = layer.notes();
-    let mut levels = layer.levels(1, customary_order)?;
-    Ok((levels.swap_remove(0), notes))
+    Ok((layer.levels(count, customary_order)?, notes))
 }
 
 /// File channels in customary order: `R G B A` or `X Y Z A`, then others, within each layer that has such; else as they

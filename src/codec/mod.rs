@@ -68,18 +68,40 @@ pub fn read(path: &Path) -> Result<Decoded> {
 /// # Errors
 /// As [`read`].
 pub fn decode(path: &Path, bytes: Vec<u8>) -> Result<Decoded> {
+    Ok(decode_levels(path, bytes, 1)?.swap_remove(0))
+}
+
+/// Reads every level of a mip-mapped OpenEXR file, largest first; the one picture of any other file. Channels are in the
+/// same order as [`read`] gives them.
+///
+/// # Errors
+/// As [`read`].
+pub fn read_levels(path: &Path) -> Result<Vec<Decoded>> {
+    decode_levels(path, file(path)?, usize::MAX)
+}
+
+fn decode_levels(path: &Path, bytes: Vec<u8>, count: usize) -> Result<Vec<Decoded>> {
     let format = Format::of(path, &bytes)?;
     let source = Source { path, bytes: &bytes, format };
-    let (raster, notes) = source.guard(|| match format {
-        Format::Png => png::decode(&source),
-        Format::Exr => exr::decode(&source),
-        Format::Tiff => tiff::decode(&source),
-        _ => pictures::decode(&source),
+    let one = |(raster, notes)| (vec![raster], notes);
+    let (rasters, notes) = source.guard(|| match format {
+        Format::Png => png::decode(&source).map(one),
+        Format::Exr => exr::decode(&source, count),
+        Format::Tiff => tiff::decode(&source).map(one),
+        _ => pictures::decode(&source).map(one),
     })?;
-    let sha256 = Sha256::digest(&bytes).iter().map(|byte| format!("{byte:02x}")).collect();
+    let sha256: String = Sha256::digest(&bytes).iter().map(|byte| format!("{byte:02x}")).collect();
     let (bytes_len, plain) = (bytes.len(), format == Format::Png && png::is_plain(&bytes));
-    let plain_png = plain.then(|| bytes.into());
-    Ok(Decoded { raster, format: format.name(), notes, sha256, bytes_len, plain_png })
+    let plain_png: Option<Arc<[u8]>> = plain.then(|| bytes.into());
+    let decoded = |raster| Decoded {
+        raster,
+        format: format.name(),
+        notes: notes.clone(),
+        sha256: sha256.clone(),
+        bytes_len,
+        plain_png: plain_png.clone(),
+    };
+    Ok(rasters.into_iter().map(decoded).collect())
 }
 
 fn file(path: &Path) -> Result<Vec<u8>> {

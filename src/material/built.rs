@@ -10,6 +10,9 @@ pub const MANIFEST: &str = "manifest.json";
 /// The value of `generator` in our manifests.
 pub const GENERATOR: &str = "mipfold";
 
+/// Version of the manifest's form; fields are added, never renamed.
+pub const SCHEMA: u32 = 1;
+
 /// An earlier build, by its manifest.
 #[derive(Debug, Default)]
 pub struct Earlier {

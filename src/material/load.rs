@@ -32,7 +32,20 @@ pub type ReadPicture<'a> = &'a (dyn Fn(&Path) -> Result<Decoded> + Sync);
 /// # Errors
 /// As [`load`], and those of `read`.
 pub fn load_with(inputs: &Inputs, read: ReadPicture) -> Result<Material> {
-    let mut builder = Builder { material: empty(inputs), paths: Vec::new(), read };
+    assemble(inputs, read, true)?.check()
+}
+
+/// A coarser level of maps whose level 0 was loaded: a few texels do not tell what a map is, so nothing is guessed or
+/// refused by their values, and nothing warned about.
+///
+/// # Errors
+/// As [`load_with`], but for those that values cause.
+pub(super) fn load_level(inputs: &Inputs, read: ReadPicture) -> Result<Material> {
+    Ok(assemble(inputs, read, false)?.material)
+}
+
+fn assemble<'a>(inputs: &Inputs, read: ReadPicture<'a>, by_value: bool) -> Result<Builder<'a>> {
+    let mut builder = Builder { material: empty(inputs), paths: Vec::new(), read, by_value };
     let (normal, height) = (inputs.normal.as_deref(), inputs.height.as_deref());
     let width = match &inputs.roughness {
         RoughnessInput::Roughness(c) | RoughnessInput::Smoothness(c) => Some(c.path.as_path()),
@@ -68,7 +81,8 @@ pub fn load_with(inputs: &Inputs, read: ReadPicture) -> Result<Material> {
     if let Some(path) = &inputs.anisotropy {
         builder.add_anisotropy(path)?;
     }
-    builder.finish()
+    builder.finish();
+    Ok(builder)
 }
 
 fn empty(inputs: &Inputs) -> Material {
@@ -95,6 +109,8 @@ struct Builder<'a> {
     read: ReadPicture<'a>,
     /// The path that each map was read from.
     paths: Vec<PathBuf>,
+    /// Whether values may tell what a map is.
+    by_value: bool,
 }
 
 impl Builder<'_> {
@@ -172,7 +188,7 @@ impl Builder<'_> {
             NormalZ::Stored => true,
             NormalZ::Rebuild => false,
         };
-        if count >= 3 && is_gray(raster) {
+        if self.by_value && count >= 3 && is_gray(raster) {
             let expected = "a tangent-space normal map, whose channels differ; a height map is given with --height";
             return Err(Error::invalid(path, "a gray picture stored as colour, as normal map", expected));
         }
@@ -277,7 +293,7 @@ impl Builder<'_> {
     }
 
     /// Brings all maps to the largest size, numbers the plain channels, and adds the maps that are missing.
-    fn finish(mut self) -> Result<Material> {
+    fn finish(&mut self) {
         // A third channel that is nothing else holds z, also where it was not trusted: it is written again.
         if let Some(source) = &self.material.normal
             && let Some(role @ Role::Other(_)) = self.material.maps[source.map].roles.get_mut(2)
@@ -310,7 +326,6 @@ impl Builder<'_> {
             }
         }
         distinct_stems(&mut material.maps);
-        self.check()
     }
 
     /// Counts what is wrong and says it.

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use glam::Vec2;
 
-use super::{NormalY, Role, Texels};
+use super::{NormalY, NormalZ, Role, Texels};
 use crate::image::{Raster, Size, Wrap};
 use crate::ndf::RoughnessTensor;
 use crate::roughness::PerceptualRoughness;
@@ -104,6 +104,15 @@ pub(super) const LEAST_REBUILT_Z: f32 = 1e-3;
 pub(super) const SHORTEST_NORMAL: f32 = 0.1;
 
 impl Material {
+    /// Where z of the normals comes from: stored or rebuilt; auto without a normal map.
+    pub fn normal_z(&self) -> NormalZ {
+        match &self.normal {
+            None => NormalZ::Auto,
+            Some(NormalSource { channels: [_, _, None], .. }) => NormalZ::Rebuild,
+            Some(_) => NormalZ::Stored,
+        }
+    }
+
     /// Radians: of the two directions of an axis, the one on the side of the input's own anisotropy.
     pub fn sided(&self, axis: f32) -> f32 {
         if self.anisotropy_lean.dot(Vec2::from_angle(axis)) < 0.0 { axis + PI } else { axis }
@@ -182,7 +191,9 @@ impl Texels for Material {
         for (i, r) in perceptual.iter().enumerate() {
             let (dx, dy, strength) = (2.0 * xx[i] - 1.0, 2.0 * xy[i] - 1.0, yy[i].clamp(0.0, 1.0));
             let length = (dx * dx + dy * dy).sqrt();
-            let (cos, sin) = if length > SHORTEST_NORMAL { (dx / length, dy / length) } else { (1.0, 0.0) };
+            // A round lobe is not turned: that would only round it.
+            let directed = length > SHORTEST_NORMAL && strength > 0.0;
+            let (cos, sin) = if directed { (dx / length, dy / length) } else { (1.0, 0.0) };
             let alpha = r * r;
             // glTF KHR_materials_anisotropy: alpha_t = mix(alpha, 1, strength^2), alpha_b = alpha.
             let along = alpha + (1.0 - alpha) * strength * strength;

@@ -4,7 +4,7 @@ use std::io::{Seek, Write};
 
 use crate::codec::{Channel, Depth, write_exr};
 use crate::fold::Chain;
-use crate::material::{Encoding, LevelView, Material, Role, Texels};
+use crate::material::{Encoding, LOBE_CHANNELS, LevelView, Material, Role, Texels};
 use crate::ndf::{Axes, Form, RoughnessTensor};
 
 /// Level `k` of a material, to be packed.
@@ -36,10 +36,6 @@ pub fn write_map(
         }
     })
 }
-
-/// The channels of a lobes file: unit normal (OpenGL, +Y up), widths, and the angle in radians from the lobe's
-/// tangent (the +u axis made orthogonal to the normal) to the axis of the larger width.
-pub const LOBE_CHANNELS: [&str; 6] = ["n.x", "n.y", "n.z", "alpha.x", "alpha.y", "angle"];
 
 /// The lobes of all levels in full, 32 bit.
 pub fn write_lobes(out: impl Write + Seek, material: &Material, chain: &Chain) -> std::io::Result<()> {

@@ -2,16 +2,13 @@
 
 use serde::Serialize;
 
-use super::exr::{LOBE_CHANNELS, MOMENT_CHANNELS, role_name};
+use super::exr::{MOMENT_CHANNELS, role_name};
 use super::plan::{Content, Format, Output, Plan, Request};
 use crate::codec::Depth;
 use crate::fold::{Chain, Options};
 use crate::image::{Size, Wrap};
-use crate::material::{GENERATOR, MapFile, Material, NormalY, Origin, Role};
+use crate::material::{GENERATOR, LOBE_CHANNELS, MapFile, Material, NormalY, NormalZ, Origin, Role, SCHEMA};
 use crate::ndf::Form;
-
-/// Version of the manifest's form; fields are added, never renamed.
-pub const SCHEMA: u32 = 1;
 
 /// `manifest.json`: no times and no machine facts, so that the same build gives the same bytes.
 #[derive(Debug, Serialize)]
@@ -28,6 +25,7 @@ pub struct Manifest {
     min_alpha: f32,
     max_alpha: f32,
     normal_y: NormalY,
+    normal_z: NormalZ,
     normal_scale: f32,
     wrap: Wrap,
     constant_roughness: Option<f32>,
@@ -89,6 +87,7 @@ impl Manifest {
             min_alpha: options.min_alpha.0,
             max_alpha: options.max_alpha.0,
             normal_y: material.normal_y,
+            normal_z: material.normal_z(),
             normal_scale: material.normal_scale,
             wrap: material.wrap,
             constant_roughness: constant.then_some(material.constant.0),

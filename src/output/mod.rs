@@ -6,8 +6,8 @@ mod plan;
 mod stage;
 mod write;
 
-pub use crate::material::MANIFEST;
-pub use manifest::{Input, Manifest, OutputMap, SCHEMA};
+pub use crate::material::{MANIFEST, SCHEMA};
+pub use manifest::{Input, Manifest, OutputMap};
 pub use plan::{Content, Format, Output, Plan, Request, safe_name};
 pub use stage::{Stage, may_write};
 pub use write::write;

@@ -1,0 +1,213 @@
+//! `mipfold compare`.
+
+use rayon::prelude::*;
+
+use super::args::{Global, LobesArg};
+use super::chains::{Chain, Source};
+use super::compare_args::{CompareArgs, FoldChoice};
+use super::compare_output::{json, verdict};
+use super::inputs::{folder, read_as, single};
+use super::judging::{Judging, REPORT_FILES, is_report};
+use super::report::Report;
+use super::table::table;
+use crate::compare::{Candidate, Limit, Settings};
+use crate::error::{Error, Result};
+use crate::fold::{self, DEFAULT_FOLD, FOLDS, Fold, Options};
+use crate::material::{Earlier, LevelChain, Material, Texels, base_lobes, load, read_folder};
+use crate::ndf::{Form, Lobes};
+use crate::output::{Stage, may_write};
+
+/// Name of the baseline.
+const PLAIN: &str = "plain mips";
+
+pub fn run(args: &CompareArgs, global: &Global, report: &mut Report) -> Result<()> {
+    let chains = args.chains.iter().map(|text| Chain::parse(text, &args.reading)).collect::<Result<Vec<_>>>()?;
+    if let Some(folder) = &args.output {
+        may_write(folder, REPORT_FILES, global.force || is_report(folder))?;
+    }
+    report.progress.set_message("reading");
+    let read = chains.par_iter().with_max_len(1).map(Chain::read).collect::<Result<Vec<_>>>()?;
+    let (material, base_note) = base(args, &chains, &read)?;
+    let settings = args.looking.settings(material.size, &args.reading)?;
+    check_limits(&args.limit, &material, &settings)?;
+    say_base(&material, &base_note, report);
+    let mut candidates = Vec::new();
+    for (chain, read) in chains.iter().zip(read) {
+        let size = read.levels[0].size();
+        if size != material.size {
+            let expected = format!("{}, the size of the surface that it is judged against", material.size);
+            return Err(Error::invalid_option(&chain.name, format!("level 0 of {size} texels"), expected));
+        }
+        say_chain(chain, &read, &base_note, report);
+        candidates.push(Candidate { name: chain.name.clone(), fold: read.fold, levels: read.levels });
+    }
+    let folds = folds(args, &material)?;
+    candidates.extend(folds.into_iter().map(|(fold, form)| folded(fold.name, &material, fold, form)));
+    let plain = (!args.no_plain).then_some(candidates.len());
+    if !args.no_plain {
+        candidates.push(plain_mips(&material)?);
+    }
+    distinct_names(&mut candidates);
+    let judging = Judging {
+        material: &material,
+        candidates: &candidates,
+        plain,
+        settings: &settings,
+        limits: &args.limit,
+        motion: !args.no_motion && args.output.is_some(),
+    };
+    if global.dry_run {
+        judging.announce(args.output.as_deref(), report);
+        return Ok(());
+    }
+    judging.run(report, |findings, report| {
+        let score = &findings.subject.judgement.chains;
+        score.iter().for_each(|chain| report.say(&table(chain)));
+        report.say(&verdict(&findings.subject).text);
+        report.document(json(&findings.subject));
+        if let Some(folder) = &args.output {
+            let stage = Stage::new(folder)?;
+            findings.write(&stage, report)?;
+            stage.commit(REPORT_FILES[0], &[])?;
+            report.say(&format!("wrote {} to {}", REPORT_FILES.join(", "), folder.display()));
+        }
+        findings.failures().iter().for_each(|line| report.failure(line));
+        Ok(())
+    })
+}
+
+/// The surface that is judged against, and where it comes from.
+fn base(args: &CompareArgs, chains: &[Chain], read: &[LevelChain]) -> Result<(Material, String)> {
+    let (maps, reading) = (&args.maps, &args.reading);
+    if let Some(path) = &args.base {
+        let sets = match folder(path, maps, reading) {
+            // What a build wrote is no texture set, but has a level 0.
+            Err(_) if Earlier::read(path).is_some() => {
+                return Ok((read_folder(path, None)?.level_0, format!("level 0 of {}", path.display())));
+            }
+            sets => sets?.into_iter().collect::<Result<Vec<_>>>()?,
+        };
+        let names = sets.iter().map(|set| set.name.clone()).collect::<Vec<_>>().join(", ");
+        let count = sets.len();
+        let mut sets = sets.into_iter();
+        return match (sets.next(), sets.next()) {
+            (Some(set), None) => Ok((load(&read_as(set, maps, reading)?)?, format!("the maps of {}", path.display()))),
+            _ => Err(Error::invalid(
+                path,
+                format!("{count} materials: {names}"),
+                "one; name its maps with --normal and \
+                                                                                 --roughness, or its folder",
+            )),
+        };
+    }
+    let width = maps.roughness.is_some() || maps.gloss.is_some() || maps.orm.is_some();
+    if maps.normal.is_some() || maps.height.is_some() || maps.anisotropy.is_some() || width {
+        let set = single(maps, reading, "compare")?;
+        return Ok((load(&read_as(set, maps, reading)?)?, "the maps given".into()));
+    }
+    let built = chains.iter().position(|chain| matches!(chain.source, Source::Folder(..)));
+    let first = built.or(if chains.is_empty() { None } else { Some(0) });
+    let Some(first) = first else {
+        let expected = "a CHAIN, --base FOLDER, or the maps of level 0: --normal FILE --roughness FILE";
+        return Err(Error::invalid_option("compare", "nothing to judge", expected));
+    };
+    let mut material = read[first].level_0.clone();
+    if let Some(name) = &maps.name {
+        material.name = name.clone();
+    }
+    Ok((material, format!("level 0 of {}", chains[first].name)))
+}
+
+fn say_base(material: &Material, origin: &str, report: &Report) {
+    report.say(&format!("{}: {}, judged against {origin}", material.name, material.size));
+    material.notes.iter().for_each(|note| report.say(&format!("  {note}")));
+    material.warnings.iter().for_each(|warning| report.warning(&format!("{}: {warning}", material.name)));
+}
+
+/// What was understood of a chain, unless it was said of the surface.
+fn say_chain(chain: &Chain, read: &LevelChain, base: &str, report: &Report) {
+    let fold = read.fold.as_ref().map(|fold| format!(", fold {fold}")).unwrap_or_default();
+    report.say(&format!("{}: {} levels{fold}", chain.name, read.levels.len()));
+    // Of a folder the build has told.
+    if *base != format!("level 0 of {}", chain.name) && !matches!(chain.source, Source::Folder(..)) {
+        read.level_0.notes.iter().for_each(|note| report.say(&format!("  {note}")));
+        read.level_0.warnings.iter().for_each(|warning| report.warning(&format!("{}: {warning}", chain.name)));
+    }
+}
+
+/// A limit of levels that nobody looks at would never fail.
+fn check_limits(limits: &[Limit], material: &Material, settings: &Settings) -> Result<()> {
+    let all: Vec<usize> = (0..material.size.level_count()).collect();
+    let judged = if settings.levels.is_empty() { &all } else { &settings.levels };
+    let Some(limit) = limits.iter().find(|limit| !judged.iter().any(|level| limit.covers(*level))) else {
+        return Ok(());
+    };
+    let found = limit.levels.as_ref().map_or_else(String::new, |levels| format!("level {}", levels.start()));
+    let levels = judged.iter().map(usize::to_string).collect::<Vec<_>>().join(", ");
+    Err(Error::invalid_option(format!("--limit {}", limit.metric.name), found, format!("a judged level: {levels}")))
+}
+
+/// The folds to judge, each with its number of widths.
+fn folds(args: &CompareArgs, material: &Material) -> Result<Vec<(&'static Fold, Form)>> {
+    let mut folds: Vec<&'static Fold> = Vec::new();
+    let mut add = |fold: &'static Fold| {
+        if !folds.iter().any(|other| other.name == fold.name) {
+            folds.push(fold);
+        }
+    };
+    let average = Fold::by_name("average")?;
+    for choice in &args.fold {
+        match choice {
+            FoldChoice::One(fold) => {
+                if args.lobes == Some(LobesArg::Aniso) && fold.anisotropic.is_none() {
+                    let found = format!("fold '{}', which has one width only", fold.name);
+                    return Err(Error::invalid_option("--lobes aniso", found, "folds of two widths"));
+                }
+                add(fold);
+            }
+            // Plain mips are the same, and judged anyway.
+            FoldChoice::All => FOLDS.iter().filter(|f| args.no_plain || f.name != average.name).for_each(&mut add),
+        }
+    }
+    if folds.is_empty() && args.chains.is_empty() {
+        folds.push(DEFAULT_FOLD);
+    }
+    let aniso = args.lobes.map_or(material.is_anisotropic(), |lobes| lobes == LobesArg::Aniso);
+    let form = |fold: &Fold| if aniso && fold.anisotropic.is_some() { Form::Anisotropic } else { Form::Isotropic };
+    Ok(folds.into_iter().map(|fold| (fold, form(fold))).collect())
+}
+
+/// A fold of the surface.
+fn folded(name: &str, material: &Material, fold: &'static Fold, form: Form) -> Candidate {
+    let options = Options { fold, form, ..Options::default() };
+    let levels = levels(material, fold::chain(material, &options), form);
+    let widths = if form == Form::Anisotropic { ", two widths" } else { "" };
+    Candidate { name: name.into(), fold: Some(format!("{}{widths}", fold.name)), levels }
+}
+
+/// What engines make of the surface.
+pub fn plain_mips(material: &Material) -> Result<Candidate> {
+    Ok(folded(PLAIN, material, Fold::by_name("average")?, Form::Isotropic))
+}
+
+/// All levels as lobes, the finest first. A surface of two widths keeps them at level 0, whatever the fold has.
+pub fn levels(material: &Material, chain: fold::Chain, form: Form) -> Vec<Lobes> {
+    let form = if material.is_anisotropic() { Form::Anisotropic } else { form };
+    let in_form = |lobes: Lobes| {
+        if lobes.form() == form { lobes } else { Lobes::from_fn(form, lobes.size(), |x, y| lobes.at(x, y)) }
+    };
+    let coarser = chain.levels.into_iter().map(|level| in_form(level.lobes));
+    std::iter::once(base_lobes(material, form)).chain(coarser).collect()
+}
+
+/// Names that stand for one chain each.
+fn distinct_names(chains: &mut [Candidate]) {
+    for i in 1..chains.len() {
+        let (mut name, mut n) = (chains[i].name.clone(), 2);
+        while chains[..i].iter().any(|other| other.name == name) {
+            name = format!("{} {n}", chains[i].name);
+            n += 1;
+        }
+        chains[i].name = name;
+    }
+}

@@ -1,0 +1,194 @@
+//! The words of `mipfold compare`.
+
+use std::path::PathBuf;
+use std::str::FromStr;
+
+use clap::{Args, ValueEnum};
+
+use super::args::{LobesArg, MapArgs, ReadingArgs, fold_list, fold_name};
+use crate::compare::{Limit, Metric, Settings};
+use crate::error::{Error, Result};
+use crate::fold::Fold;
+use crate::image::Size;
+use crate::reference::{Interpolation, Reading};
+
+/// Places along one side of a texel where `--interpolation bilinear` looks: the reference's error from their number is
+/// then far below what 80 directions leave.
+const PER_SIDE: usize = 4;
+
+/// What stands below the help.
+fn after_help() -> String {
+    let metrics = Metric::ALL.iter().map(|metric| format!("  {:<18} {}", metric.name, metric.about));
+    format!(
+        "CHAIN is one of\n  \
+           FOLDER             that `mipfold build` wrote; FOLDER,container=png|exr|lobes chooses among what is there\n  \
+           NAME_lobes.exr     that `mipfold build --format exr` wrote\n  \
+           KEY=VALUE,...      normal=n_%d.png,roughness=orm_%d.png:g for one file a level (from 0 on), or\n                     \
+                              normal=n.exr,roughness=r.exr:r for mip-mapped OpenEXR. Keys: normal, roughness (a number\n                     \
+                              too), smoothness, orm, anisotropy, normal-y, normal-z, normal-range, normal-scale, name\n\n\
+         Metrics for --limit:\n{}\n\n{}",
+        metrics.collect::<Vec<_>>().join("\n"),
+        fold_list()
+    )
+}
+
+#[derive(Args)]
+#[command(after_help = after_help())]
+pub struct CompareArgs {
+    /// Mip chains to judge, side by side; what a chain may be is said below
+    #[arg(value_name = "CHAIN")]
+    pub chains: Vec<String>,
+    /// Folder with the texture set of level 0, found as `build` finds it [default: level 0 of the first chain]
+    #[arg(long, value_name = "FOLDER", conflicts_with_all = ["normal", "orm", "height", "anisotropy"])]
+    pub base: Option<PathBuf>,
+    /// Judge these folds of level 0 as well: names separated by commas, or all [default, without CHAIN: projected]
+    #[arg(long, value_name = "NAME", value_delimiter = ',', value_parser = fold_choice)]
+    pub fold: Vec<FoldChoice>,
+    /// Widths of the lobes of --fold: iso or aniso [default: iso, or aniso if there is an anisotropy map]
+    #[arg(long, value_enum)]
+    pub lobes: Option<LobesArg>,
+    /// Leave out the baseline: plain mips of level 0
+    #[arg(long)]
+    pub no_plain: bool,
+    /// Folder for report.html, report.json and report.csv; without it only text is printed
+    #[arg(long, short, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+    /// Largest mean that passes, by metric (default lobe-error) and level: 0.15, ndf-tv=0.1, lobe-error@3=0.2, @1-4=0.1;
+    /// may be repeated. A chain past it makes the exit code 1; plain mips are not held to it
+    #[arg(long, value_name = "[METRIC[@LEVELS]=]VALUE", value_parser = Limit::from_str)]
+    pub limit: Vec<Limit>,
+    /// Leave the moving pictures out of the report
+    #[arg(long)]
+    pub no_motion: bool,
+    #[command(flatten)]
+    pub looking: LookArgs,
+    #[command(flatten)]
+    pub maps: MapArgs,
+    #[command(flatten)]
+    pub reading: ReadingArgs,
+}
+
+#[derive(Args)]
+#[command(next_help_heading = "How closely to look")]
+pub struct LookArgs {
+    /// Levels to judge: 3, 1-6, or 1,4- [default: all]
+    #[arg(long, value_name = "LEVELS", value_parser = LevelList::from_str)]
+    pub levels: Option<LevelList>,
+    /// Texels judged in each level: a number, or all
+    #[arg(long, value_name = "N|all", default_value = "64", value_parser = texels)]
+    pub texels: usize,
+    /// Half vectors drawn from each footprint
+    #[arg(long, value_name = "N", default_value = "80", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    pub directions: u32,
+    /// Seed of every random choice
+    #[arg(long, value_name = "N", default_value = "1")]
+    pub seed: u64,
+    /// Look at N texels of each footprint at most [default: at all of them]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    pub subset: Option<u32>,
+    /// What lies between the centres of the texels of level 0
+    #[arg(long, value_enum, default_value = "constant")]
+    pub interpolation: InterpolationArg,
+}
+
+#[derive(Clone, Copy, PartialEq, ValueEnum)]
+pub enum InterpolationArg {
+    /// Each texel is a square of one lobe
+    Constant,
+    /// Normals and roughness are interpolated, with --wrap at the border
+    Bilinear,
+}
+
+/// A fold by name, or every one.
+#[derive(Clone, Copy)]
+pub enum FoldChoice {
+    All,
+    One(&'static Fold),
+}
+
+fn fold_choice(name: &str) -> std::result::Result<FoldChoice, String> {
+    if name == "all" { Ok(FoldChoice::All) } else { fold_name(name).map(FoldChoice::One) }
+}
+
+fn texels(text: &str) -> std::result::Result<usize, String> {
+    match text {
+        "all" => Ok(usize::MAX),
+        _ => text.parse().ok().filter(|n| *n > 0).ok_or_else(|| "expected a number from 1 up, or all".into()),
+    }
+}
+
+/// Ranges of levels; without a last one they reach to 1x1.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LevelList {
+    text: String,
+    ranges: Vec<(usize, Option<usize>)>,
+}
+
+impl FromStr for LevelList {
+    type Err = String;
+
+    fn from_str(text: &str) -> std::result::Result<Self, String> {
+        let expected = || format!("'{text}': expected levels, as 3, 1-6 or 1,4-");
+        let number = |text: &str| text.parse::<usize>().map_err(|_| expected());
+        let range = |part: &str| match part.split_once('-') {
+            None => number(part).map(|k| (k, Some(k))),
+            Some((first, "")) => Ok((number(first)?, None)),
+            Some((first, last)) => Ok((number(first)?, Some(number(last)?))),
+        };
+        let ranges = text.split(',').map(range).collect::<std::result::Result<Vec<_>, _>>()?;
+        if ranges.iter().any(|(first, last)| last.is_some_and(|last| last < *first)) {
+            return Err(expected());
+        }
+        Ok(Self { text: text.into(), ranges })
+    }
+}
+
+impl LevelList {
+    /// The levels of a texture that are listed, in order.
+    fn of(&self, size: Size) -> Result<Vec<usize>> {
+        let count = size.level_count();
+        let within =
+            |k: &usize| self.ranges.iter().any(|(first, last)| k >= first && last.is_none_or(|last| *k <= last));
+        if self.ranges.iter().any(|(first, _)| *first >= count) {
+            let expected = format!("levels from 0 to {}, as {size} has", count - 1);
+            return Err(Error::invalid_option("--levels", self.text.clone(), expected));
+        }
+        Ok((0..count).filter(within).collect())
+    }
+}
+
+impl LookArgs {
+    /// As the judge takes it.
+    pub fn settings(&self, size: Size, reading: &ReadingArgs) -> Result<Settings> {
+        let interpolation = match self.interpolation {
+            InterpolationArg::Constant => Interpolation::Constant,
+            InterpolationArg::Bilinear => Interpolation::Bilinear { per_side: PER_SIDE, wrap: reading.wrap.into() },
+        };
+        Ok(Settings {
+            texels: self.texels,
+            directions: self.directions as usize,
+            reading: Reading { interpolation, most_texels: self.subset.map(|n| n as usize) },
+            levels: self.levels.as_ref().map(|levels| levels.of(size)).transpose()?.unwrap_or_default(),
+            seed: self.seed,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn levels_are_read_as_written() {
+        let of = |text: &str| text.parse::<LevelList>().unwrap().of(Size::new(64, 16)).ok();
+        assert_eq!(of("3"), Some(vec![3]));
+        assert_eq!(of("1-3"), Some(vec![1, 2, 3]));
+        assert_eq!(of("4-,1,4"), Some(vec![1, 4, 5, 6]));
+        assert_eq!(of("5-99"), Some(vec![5, 6]));
+        assert_eq!(of("7"), None);
+        assert_eq!(of("0,7-"), None);
+        for wrong in ["", "x", "1-x", "-1", "3-1", "1,,2", "1-2-3"] {
+            assert!(wrong.parse::<LevelList>().is_err(), "{wrong}");
+        }
+    }
+}
