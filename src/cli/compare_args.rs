@@ -167,7 +167,7 @@ impl LookArgs {
         Ok(Settings {
             texels: self.texels,
             directions: self.directions as usize,
-            reading: Reading { interpolation, most_texels: self.subset.map(|n| n as usize) },
+            reading: Reading { interpolation, most_texels: self.subset.map(|n| n as usize), seed: self.seed },
             levels: self.levels.as_ref().map(|levels| levels.of(size)).transpose()?.unwrap_or_default(),
             seed: self.seed,
         })
