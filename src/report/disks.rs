@@ -140,5 +140,8 @@ fn window(base: &Lobes, level: &Lobes, place: Place, lobe: Lobe) -> ((f64, f64),
     let spread = mean(&|s| (s.0 - cx).powi(2) + (s.1 - cy).powi(2) + s.2 * s.2).sqrt();
     let (lx, ly, alpha) = spot(lobe);
     let reach = (WIDTHS * spread).max((lx - cx).hypot(ly - cy) + WIDTHS * alpha);
-    ((cx, cy), reach.clamp(0.02, 1.0))
+    // There is nothing to see beyond the disk.
+    let half = reach.clamp(0.02, 1.0);
+    let inside = |c: f64| c.clamp(half - 1.0, 1.0 - half);
+    ((inside(cx), inside(cy)), half)
 }

@@ -87,7 +87,7 @@ pub(super) fn summary(subject: &Subject) -> Vec<SummaryRow> {
             mean: if errors.is_empty() {
                 "none".into()
             } else {
-                short(errors.iter().sum::<f64>() / errors.len() as f64)
+                with_error(errors.iter().sum::<f64>() / errors.len() as f64, 0.0)
             },
             limits,
             mark,
@@ -205,7 +205,7 @@ pub(super) fn charts(subject: &Subject) -> Vec<ChartView> {
                 at.into_iter().map(move |at| (first, last, at, limit.most))
             })
             .collect();
-        let size = if i == 0 { (860.0, 360.0) } else { (340.0, 220.0) };
+        let size = if i == 0 { (1080.0, 380.0) } else { (340.0, 220.0) };
         let description = describe(&lines);
         let chart =
             Chart { id, title, description: &description, lines: &lines, limits: &limits, ratio, size, named: i == 0 };

@@ -41,7 +41,7 @@ impl Spread {
     }
 }
 
-const WIDTH: f64 = 250.0;
+const WIDTH: f64 = 336.0;
 const LEFT: f64 = 24.0;
 const RIGHT: f64 = WIDTH - 10.0;
 const ROW: f64 = 27.0;

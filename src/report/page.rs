@@ -164,7 +164,7 @@ pub(super) fn page_with(subject: &Subject, look: Look, done: &(dyn Fn(f64) + Syn
         ridges: histogram::panels(&names, &spreads, subject.plain),
         ridges_lead: match subject.plain {
             Some(_) if chains.len() > 1 => {
-                "How rough the texels of every level are: filled as the chain has them, the dashed outline as plain mips have them."
+                "How rough the texels of every level are: filled as the chain has them, outlined as plain mips have them."
             }
             _ => "How rough the texels of every level are.",
         },
@@ -225,13 +225,18 @@ fn motions(subject: &Subject, names: &[&str]) -> Vec<MotionView> {
             .iter()
             .map(|score| MotionRow {
                 name: score.chain.clone(),
-                mean: short(score.flip_mean),
-                p95: short(score.flip_p95),
-                flicker: short(score.flicker),
+                mean: thousandths(score.flip_mean),
+                p95: thousandths(score.flip_p95),
+                flicker: thousandths(score.flicker),
             })
             .collect(),
     };
     subject.motion.iter().map(view).collect()
+}
+
+/// All with three decimals, so that columns line up.
+fn thousandths(v: f64) -> String {
+    if v.is_nan() { "n/a".into() } else { format!("{v:.3}") }
 }
 
 fn maps(subject: &Subject) -> Vec<MapView> {

@@ -87,8 +87,8 @@ pub(super) struct Chart<'a> {
 }
 
 /// Letters of a curve's name at its end, and the pixels they take.
-const NAME_LETTERS: usize = 17;
-const NAME_WIDTH: f64 = 132.0;
+const NAME_LETTERS: usize = 20;
+const NAME_WIDTH: f64 = 164.0;
 /// Least distance between two names.
 const NAME_PITCH: f64 = 15.0;
 
@@ -127,10 +127,12 @@ pub(super) fn draw(chart: &Chart) -> String {
     svg.text((0.5 * (left + right), height - 4.0), "axis", "middle", "mip level");
     svg.line((left, y(right_answer)), (right, y(right_answer)), "truth");
 
+    let mut names = Vec::new();
     for &(first, end, at, most) in chart.limits.iter().filter(|limit| limit.0 <= last) {
         let end = end.min(last) as f64;
         svg.line((x(first as f64 - 0.25), y(at)), (x(end + 0.25), y(at)), "limit");
-        svg.text((x(first as f64 - 0.25) + 4.0, y(at) - 5.0), "limit-name", "start", &format!("limit {most}"));
+        let name = if chart.ratio { format!("limit \u{b1}{most}") } else { format!("limit {most}") };
+        names.push(((x(first as f64 - 0.25) + 4.0, y(at) - 5.0), name));
     }
     for line in chart.lines {
         svg.open("g", &[("class", &line.style.class())]);
@@ -157,6 +159,8 @@ pub(super) fn draw(chart: &Chart) -> String {
         }
         svg.close("g");
     }
+    // Above the curves, which they may cross.
+    names.iter().for_each(|(place, name)| svg.text(*place, "limit-name", "start", name));
     if chart.named {
         name_lines(&mut svg, chart.lines, (top, bottom), right, &|level, mean| (x(level as f64), y(mean)));
     }

@@ -91,7 +91,7 @@ impl Stage {
 }
 
 fn usual() -> Stage {
-    Stage::new(&[("plain", "average", 0.62), ("mine", "ggx", 0.15), ("theirs", "toksvig", 0.3)])
+    Stage::new(&[("plain", "average", 0.62), ("mine", "projected", 0.15), ("theirs", "toksvig", 0.3)])
 }
 
 fn scores(name: &str, fold: &str, most: f64) -> ChainScore {
@@ -227,7 +227,7 @@ fn verdict_that_folding_matters() {
 
 #[test]
 fn verdict_that_nothing_is_needed() {
-    let found = Stage::new(&[("plain", "average", 0.0312), ("mine", "ggx", 0.001)]).verdict();
+    let found = Stage::new(&[("plain", "average", 0.0312), ("mine", "projected", 0.001)]).verdict();
     assert_eq!(found.matters, Matters::NotNeeded);
     let text = "This material needs nothing: plain mips stay within 0.032 of the truth at every level.";
     assert_eq!(found.text, text);
@@ -236,7 +236,7 @@ fn verdict_that_nothing_is_needed() {
 #[test]
 fn verdict_counts_standard_errors() {
     let with = |mine: f64, stderr: f64| {
-        let mut stage = Stage::new(&[("plain", "average", 0.3), ("mine", "ggx", mine)]);
+        let mut stage = Stage::new(&[("plain", "average", 0.3), ("mine", "projected", mine)]);
         stage.judgement.chains.iter_mut().for_each(|c| c.levels[4].lobe_error.stderr = stderr);
         stage.verdict()
     };
@@ -258,10 +258,10 @@ fn verdict_counts_standard_errors() {
 
 #[test]
 fn verdict_without_what_it_needs() {
-    let alone = Stage::new(&[("mine", "ggx", 0.12)]).verdict();
+    let alone = Stage::new(&[("mine", "projected", 0.12)]).verdict();
     assert_eq!((alone.matters, alone.level), (Matters::Unknown, Some(4)));
     assert!(alone.text.starts_with("'mine' stays within 0.12 of the truth, worst at level 4"), "{}", alone.text);
-    let two = Stage::new(&[("a", "lean", 0.2), ("b", "ggx", 0.1)]).verdict();
+    let two = Stage::new(&[("a", "lean", 0.2), ("b", "projected", 0.1)]).verdict();
     assert!(two.text.starts_with("The closest chain, 'b', stays within 0.1 "), "{}", two.text);
     let plain = Stage::new(&[("plain", "average", 0.4)]).verdict();
     assert!(plain.text.contains("0.4 from the truth at level 4; no other chain"), "{}", plain.text);
@@ -360,7 +360,7 @@ fn page_is_sound_and_says_what_was_found() {
         "Fail: 1 of 2 chains past the limits",
         "theirs: level 4: lobe-error 0.300",
         "limit 0.2",
-        "0.83",
+        "0.830",
         "mipfold compare tiles --limit 0.2",
         "perceptual roughness",
         "OpenGL (green up, +Y)",
@@ -383,7 +383,7 @@ fn page_is_sensible_without_figures() {
     is_sound(&html);
     assert!(html.contains("no level below the first was judged") && html.contains("not judged"));
     assert!(!html.contains("id=\"curves\"") && html.contains("id=\"distance\""));
-    let mut alone = Stage::new(&[("mine", "ggx", 0.1)]);
+    let mut alone = Stage::new(&[("mine", "projected", 0.1)]);
     alone.chains[0].levels.truncate(3);
     alone.judgement.chains[0].levels.truncate(3);
     is_sound(&alone.page());
