@@ -54,7 +54,7 @@
 //! | [`codec`] | bytes to images and back; knows formats, not meaning |
 //! | [`ndf`] | what a normal distribution is: the GGX lobe, its tensor, images of lobes |
 //! | [`material`] | what channels mean, both ways: roles, packing, file names, repair |
-//! | [`reference`] | the exact NDF and the exact shading of a footprint, in f64 |
+//! | [`mod@reference`] | the exact NDF and the exact shading of a footprint, in f64 |
 //! | [`compare`] | how far a chain is from that, and a picture from another |
 //! | [`moments`] | sums over a footprint that merge without loss |
 //! | [`fold`] | a footprint becomes a lobe: the list of folds, and the loop over levels |

@@ -96,17 +96,18 @@ pub(super) fn summary(subject: &Subject) -> Vec<SummaryRow> {
     chains.iter().enumerate().map(row).collect()
 }
 
-/// "0.62 ± 0.02": two standard errors.
+/// "0.62 ± 0.02": two standard errors, which get the digits they need.
 fn with_error(mean: f64, stderr: f64) -> String {
-    let decimals = if mean.abs() < 0.0995 { 3 } else { 2 };
+    let coarse = mean.abs() >= 0.0995 && !(stderr > 0.0 && 2.0 * stderr < 0.005);
+    with_decimals(mean, stderr, if coarse { 2 } else { 3 })
+}
+
+fn with_decimals(mean: f64, stderr: f64, decimals: usize) -> String {
     if mean.is_nan() {
         "n/a".into()
     } else if stderr > 0.0 && stderr.is_finite() {
-        // An error that rounds to nothing gets the digits it needs.
-        let decimals = if 2.0 * stderr < 0.5 * 10f64.powi(-decimals) { 3 } else { decimals } as usize;
         format!("{mean:.decimals$} \u{b1} {:.decimals$}", 2.0 * stderr)
     } else {
-        let decimals = decimals as usize;
         format!("{mean:.decimals$}")
     }
 }
@@ -136,7 +137,7 @@ pub(super) const COLUMNS: &[(&str, Read)] = &[
     ("Hellinger", |l| (l.ndf_hellinger.mean, l.ndf_hellinger.stderr)),
     ("KL", |l| (l.ndf_kl.mean, l.ndf_kl.stderr)),
     ("Energy", |l| (l.energy.mean, l.energy.stderr)),
-    ("compensated", |l| (l.energy.compensated, 0.0)),
+    ("Compensated", |l| (l.energy.compensated, 0.0)),
     ("Diffuse error", |l| (l.diffuse_error.mean, l.diffuse_error.stderr)),
 ];
 
@@ -158,7 +159,11 @@ pub(super) fn numbers(subject: &Subject) -> Vec<Numbers> {
         level: level.level,
         size: format!("{}x{}", level.width, level.height),
         samples: level.samples,
-        figures: COLUMNS.iter().map(|(_, read)| read(level)).map(|(mean, stderr)| with_error(mean, stderr)).collect(),
+        figures: COLUMNS
+            .iter()
+            .map(|(_, read)| read(level))
+            .map(|(mean, stderr)| with_decimals(mean, stderr, 3))
+            .collect(),
     };
     let chain = |c: &ChainScore| Numbers { name: c.name.clone(), rows: c.levels.iter().map(row).collect() };
     subject.judgement.chains.iter().map(chain).collect()

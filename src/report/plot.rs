@@ -226,8 +226,7 @@ mod tests {
 
     #[test]
     fn styles_differ_by_more_than_colour() {
-        let looks: Vec<_> =
-            (0..12).map(|i| Style::chain(i)).chain([Style::PLAIN]).map(|s| (s.marker, s.dash)).collect();
+        let looks: Vec<_> = (0..12).map(Style::chain).chain([Style::PLAIN]).map(|s| (s.marker, s.dash)).collect();
         assert!((0..looks.len()).all(|i| !looks[..i].contains(&looks[i])), "{looks:?}");
     }
 
