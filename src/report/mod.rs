@@ -1,5 +1,23 @@
 //! The judge's findings, for people (one self-contained HTML page) and for programs (JSON, CSV).
 
+mod data;
+mod disks;
+mod figures;
+mod histogram;
+mod mips;
+mod page;
+mod pictures;
+mod plot;
+mod strip;
+mod svg;
+#[cfg(test)]
+mod tests;
+mod verdict;
+
+pub use data::{SCHEMA, csv, json, passes};
+pub use page::page;
+pub use verdict::{Matters, SIGNIFICANT, UNSEEN, Verdict, verdict};
+
 use crate::compare::{Candidate, Judgement, Limit, MotionScore, Settings};
 use crate::material::Material;
 

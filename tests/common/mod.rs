@@ -4,6 +4,7 @@
 //! |---|---|
 //! | `MIPFOLD_TEXTURES` | folder of real textures; default `../shared/textures` beside the package |
 //! | `MIPFOLD_PYTHON` | a Python that imports OpenImageIO and numpy; default `python3` |
+//! | `MIPFOLD_CHROMIUM` | a Chromium or Chrome; default `chromium` |
 //! | `MIPFOLD_NO_SKIP` | if set, a test fails where it lacks one of these, and is not skipped |
 #![allow(dead_code, clippy::print_stderr)]
 
@@ -18,7 +19,7 @@ use mipfold::image::{Raster, Samples, Size};
 use ndarray::Array3;
 use serde_json::Value;
 
-fn skip<T>(why: &str) -> Option<T> {
+pub fn skip<T>(why: &str) -> Option<T> {
     assert!(std::env::var_os("MIPFOLD_NO_SKIP").is_none(), "MIPFOLD_NO_SKIP is set, but {why}");
     eprintln!("SKIPPED: {why}");
     None

@@ -1,0 +1,147 @@
+//! Distributions of normals under single texels: the truth beside the chain's lobe.
+
+use ndarray::Array2;
+use rayon::prelude::*;
+
+use super::Subject;
+use super::pictures::{heat, png};
+use super::verdict::{short, worst};
+use crate::compare::{LevelScore, Place};
+use crate::error::Result;
+use crate::image::spans;
+use crate::ndf::{Lobe, Lobes};
+use crate::reference::{Footprint, Reading};
+
+/// Texels of a footprint that a picture shows, at most: more would not be seen.
+const MOST_TEXELS: usize = 2048;
+
+/// Texels of a footprint along one side, at most, that the window is fitted to.
+const WINDOW_TEXELS: usize = 48;
+
+/// The window holds this many widths around every lobe: 1 - 1 / (1 + 2.5^2), 86 percent of a GGX lobe's normals.
+const WIDTHS: f64 = 2.5;
+
+/// Powers of ten of density between black and white, from the peak of both pictures down.
+const DECADES: f64 = 3.0;
+
+/// Two pictures of one texel.
+pub(super) struct Disk {
+    /// "worst texel" or "median texel".
+    pub which: &'static str,
+    pub truth: String,
+    pub lobe: String,
+    pub place: String,
+    pub figures: String,
+    pub window: String,
+}
+
+/// Pictures of one chain.
+pub(super) struct Panel {
+    pub name: String,
+    pub level: usize,
+    pub disks: Vec<Disk>,
+}
+
+/// The worst and the median texel of the worst level of each chain; nothing for chains without figures, and
+/// nothing where there is no density to show.
+pub(super) fn panels(subject: &Subject, base: &Lobes, cells: usize) -> Result<Vec<Panel>> {
+    let mut panels = Vec::new();
+    for (score, candidate) in subject.judgement.chains.iter().zip(subject.chains) {
+        let Some(level) = worst(score).or(score.levels.first()) else { continue };
+        let Some(lobes) = candidate.levels.get(level.level) else { continue };
+        let desk = Desk { subject, base, lobes, level: level.level, cells };
+        let disks: Vec<_> = wanted(level).into_par_iter().map(|wanted| desk.disk(wanted)).collect();
+        let disks = disks.into_iter().flatten().collect::<Result<Vec<_>>>()?;
+        if !disks.is_empty() {
+            panels.push(Panel { name: score.name.clone(), level: level.level, disks });
+        }
+    }
+    Ok(panels)
+}
+
+/// Which texel, where it is, and its lobe error.
+type Wanted = (&'static str, Place, f64);
+
+fn wanted(level: &LevelScore) -> Vec<Wanted> {
+    let worst = level.worst.first().map(|w| ("worst texel", Place { x: w.x, y: w.y }, w.lobe_error));
+    let median = ("median texel", level.median_texel, level.lobe_error.median);
+    // A level with one judged texel has one picture.
+    worst.into_iter().chain((level.samples > 1).then_some(median)).collect()
+}
+
+/// What is drawn for one chain.
+struct Desk<'a> {
+    subject: &'a Subject<'a>,
+    base: &'a Lobes,
+    lobes: &'a Lobes,
+    level: usize,
+    cells: usize,
+}
+
+impl Desk<'_> {
+    /// Nothing where there is no density, or no such texel.
+    fn disk(&self, (which, place, error): Wanted) -> Option<Result<Disk>> {
+        let size = self.lobes.size();
+        if place.x >= size.width || place.y >= size.height {
+            return None;
+        }
+        let lobe = self.lobes.at(place.x, place.y);
+        let Subject { material, settings, .. } = self.subject;
+        let most = settings.reading.most_texels.unwrap_or(usize::MAX).min(MOST_TEXELS);
+        let reading = Reading { most_texels: Some(most), ..settings.reading };
+        let (centre, half) = window(self.base, self.lobes, place, lobe);
+        let truth = Footprint::of_texel(*material, reading, self.level, place.x, place.y);
+        let truth = truth.disk(centre, half, self.cells);
+        let found = Footprint::of_lobes(&[(lobe, 1.0)]).disk(centre, half, self.cells);
+        let peak = truth.iter().chain(&found).copied().filter(|d| d.is_finite()).fold(0.0, f64::max);
+        if peak <= 0.0 {
+            return None;
+        }
+        let paint = |density: &Array2<f64>| {
+            let shade = |d: f64| (1.0 + (d / peak).max(1e-30).log10() / DECADES) as f32;
+            png(&heat(&density.mapv(shade)))
+        };
+        let axes = lobe.axes();
+        let (wide, narrow) = (short(axes.alpha_x.0.into()), short(axes.alpha_y.0.into()));
+        let alpha = if wide == narrow { wide } else { format!("{wide} and {narrow}") };
+        let span = |c: f64| format!("{:.2} to {:.2}", c - half, c + half);
+        let pictures = paint(&truth).and_then(|truth| Ok((truth, paint(&found)?)));
+        Some(pictures.map(|(truth, lobe)| Disk {
+            which,
+            truth,
+            lobe,
+            place: format!("column {}, row {}", place.x, place.y),
+            figures: format!("lobe error {}, alpha {alpha}", short(error)),
+            window: format!("x {}, y {}", span(centre.0), span(centre.1)),
+        }))
+    }
+}
+
+/// Centre and half width of a square that holds most of the normals under a texel and most of its lobe.
+fn window(base: &Lobes, level: &Lobes, place: Place, lobe: Lobe) -> ((f64, f64), f64) {
+    let (from, to) = (base.size(), level.size());
+    let across = &spans(from.width, to.width)[place.x];
+    let down = &spans(from.height, to.height)[place.y];
+    let step = |n: usize| n.div_ceil(WINDOW_TEXELS).max(1);
+    let mut around: Vec<(f64, f64, f64)> = Vec::new();
+    let spot = |lobe: Lobe| {
+        let alpha = f64::from(lobe.axes().alpha_x.0);
+        (f64::from(lobe.normal.x), f64::from(lobe.normal.y), alpha)
+    };
+    for y in (0..down.weights.len()).step_by(step(down.weights.len())) {
+        for x in (0..across.weights.len()).step_by(step(across.weights.len())) {
+            around.push(spot(base.at(across.first + x, down.first + y)));
+        }
+    }
+    let n = around.len() as f64;
+    let mean = |f: &dyn Fn(&(f64, f64, f64)) -> f64| around.iter().map(f).sum::<f64>() / n;
+    let (cx, cy) = (mean(&|s| s.0), mean(&|s| s.1));
+    // Of the texels, spread and width together; of the lobe, its distance and width.
+    let spread = mean(&|s| (s.0 - cx).powi(2) + (s.1 - cy).powi(2) + s.2 * s.2).sqrt();
+    let (lx, ly, alpha) = spot(lobe);
+    let reach = (WIDTHS * spread).max((lx - cx).hypot(ly - cy) + WIDTHS * alpha);
+    // There is nothing to see beyond the disk.
+    let half = reach.clamp(0.02, 1.0);
+    let inside = |c: f64| c.clamp(half - 1.0, 1.0 - half);
+    ((inside(cx), inside(cy)), half)
+}
