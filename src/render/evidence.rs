@@ -67,7 +67,7 @@ fn a_constant_material_looks_the_same_by_mips_and_by_supersampling() {
     let levels = constant(Lobe { normal: Vec3::new(0.1, -0.05, 1.0).normalize(), roughness });
     for scene in [Scene::studio(), Scene::studio_panel()] {
         for pixels in [64, 16, 4, 1] {
-            let mips = render(&scene, &levels, pixels, Sampling::Mips { per_side: 4 });
+            let mips = render(&scene, &levels, pixels, Sampling::mips(4));
             let truth = render(&scene, &levels, pixels, Sampling::Supersampled { per_side: 4 });
             assert!(mips.iter().zip(&truth).all(|(a, b)| (a - b).abs() <= 1e-3 * b.max(1.0)), "{pixels} pixels");
         }
@@ -83,14 +83,14 @@ fn a_known_pixel_worked_with_the_lobe() {
     let scene = Scene {
         shape: Shape::Plane { tilt: 0.0 },
         f0,
-        lights: vec![Light { direction, irradiance }],
+        lights: vec![Light::Directional { direction, irradiance }],
         ..Scene::studio()
     };
     let (v, l) = (DVec3::Z, direction.as_dvec3());
     let grazing = (1.0 - v.dot((v + l).normalize())).powi(5) as f32;
     let fresnel = f0 + (1.0 - f0) * grazing;
     let expected = fresnel * irradiance * lobe.specular(v, l) as f32;
-    for sampling in [Sampling::Mips { per_side: 1 }, Sampling::Supersampled { per_side: 1 }] {
+    for sampling in [Sampling::mips(1), Sampling::Supersampled { per_side: 1 }] {
         let image = render(&scene, &constant(lobe), 1, sampling);
         let found = Vec3::new(image[(0, 0, 0)], image[(0, 0, 1)], image[(0, 0, 2)]);
         assert!((found - expected).length() < 1e-4 * expected.length(), "{found} {expected}");
@@ -108,12 +108,15 @@ fn white_furnace_loses_a_little_energy() {
         let z = 1.0 - (2 * i + 1) as f32 / LIGHTS as f32;
         let (sin, cos) = (i as f32 * 2.399963).sin_cos();
         let r = (1.0 - z * z).sqrt();
-        Light { direction: Vec3::new(r * cos, r * sin, z), irradiance: Vec3::splat(4.0 * PI / LIGHTS as f32) }
+        Light::Directional {
+            direction: Vec3::new(r * cos, r * sin, z),
+            irradiance: Vec3::splat(4.0 * PI / LIGHTS as f32),
+        }
     });
     let scene = Scene { f0: Vec3::ONE, lights: lights.collect(), ..Scene::studio() };
     let draw = |alpha, pixels| {
         let levels = constant(Lobe::isotropic(Vec3::Z, Alpha(alpha)));
-        render(&scene, &levels, pixels, Sampling::Mips { per_side: 1 })
+        render(&scene, &levels, pixels, Sampling::mips(1))
     };
     let middle = draw(1.0, 1)[(0, 0, 0)];
     assert!((middle - (1.0 - LN_2)).abs() < 2e-3, "{middle}");
@@ -152,7 +155,7 @@ fn folded_mips_come_closer_to_the_truth() {
         for scene in [Scene::studio(), Scene::studio_panel()] {
             let truth = render(&scene, &plain, 16, Sampling::Supersampled { per_side: 24 });
             let error = |levels: &[Lobes]| {
-                let image = render(&scene, levels, 16, Sampling::Mips { per_side: 4 });
+                let image = render(&scene, levels, 16, Sampling::mips(4));
                 (&image - &truth).iter().map(|e| e.abs()).sum::<f32>() / truth.sum()
             };
             let (plain, folded) = (error(&plain), error(&folded));
