@@ -35,10 +35,7 @@ fn agrees_with_its_authors_program() {
     let Some(python) = common::python_with(&["flip_evaluator", "numpy"]) else { return };
     let plain = |v: f32| Array3::from_elem((16, 20, 3), v);
     let stripes = |phase: usize| {
-        Array3::from_shape_fn(
-            (33, 47, 3),
-            |(y, x, c)| if (x + phase + y / 3) / 4 % 2 == 0 { 0.9 } else { 0.1 * c as f32 },
-        )
+        Array3::from_shape_fn((33, 47, 3), |(y, x, c)| if (x + phase + y / 3) % 8 < 4 { 0.9 } else { 0.1 * c as f32 })
     };
     let pairs = [
         ("black and white", plain(0.0), plain(1.0)),

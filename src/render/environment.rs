@@ -9,9 +9,10 @@ use super::shade::{LANES, Lanes};
 
 /// Radiance as a smooth function of direction, linear RGB; y is up.
 ///
-/// With t the sine of the elevation, `up(t) = (1 + t / sqrt(t^2 + s^2)) / 2` a smooth step about the horizon, s its
-/// softness, and c the cosine of the angle to the sun,
-/// `L = ground + up(t) (zenith + (horizon - zenith) (1 - |t|)^4 - ground) + glow / (1 + sharpness (1 - c))^2`.
+/// With t the sine of the elevation, `up = u^2 (3 - 2 u)` a smooth step about the horizon, u = (t / softness + 1) / 2
+/// clamped to 0..1, and c the cosine of the angle to the sun,
+/// `L = ground + up (zenith + (horizon - zenith) (1 - |t|)^4 - ground) + glow ((1 + c) / 2)^16`.
+/// There is no root and no quotient in it: it is evaluated very often.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Environment {
     /// Radiance from below.
@@ -20,28 +21,19 @@ pub struct Environment {
     pub horizon: Vec3,
     /// Radiance from straight above.
     pub zenith: Vec3,
-    /// Half the width of the horizon's step, sine of elevation; above 0.
+    /// Half the width of the horizon's step, sine of elevation; above 0 and at most 1.
     pub softness: f32,
     /// Unit, towards the sun.
     pub sun: Vec3,
-    /// Radiance that the sun's glow adds in its middle.
+    /// Radiance that the sun's glow adds in its middle; a quarter of it 34 degrees beside: wide enough for the
+    /// quadrature. What is narrower belongs to the lights.
     pub glow: Vec3,
-    /// Of the glow, which falls to a quarter at an angle whose cosine is `1 - 1 / sharpness`; at least 0.
-    pub sharpness: f32,
 }
 
 impl Environment {
     /// The same radiance from everywhere: the white furnace.
     pub fn constant(radiance: Vec3) -> Self {
-        Self {
-            ground: radiance,
-            horizon: radiance,
-            zenith: radiance,
-            softness: 1.0,
-            sun: Vec3::Y,
-            glow: Vec3::ZERO,
-            sharpness: 0.0,
-        }
+        Self { ground: radiance, horizon: radiance, zenith: radiance, softness: 1.0, sun: Vec3::Y, glow: Vec3::ZERO }
     }
 
     /// A blue sky over brown ground, hazy about a sun on the upper left before the camera. The sun itself is not in it.
@@ -50,11 +42,9 @@ impl Environment {
             ground: Vec3::new(0.10, 0.085, 0.065),
             horizon: Vec3::new(0.62, 0.66, 0.70),
             zenith: Vec3::new(0.12, 0.22, 0.46),
-            softness: 0.1,
+            softness: 0.2,
             sun: Vec3::new(-0.55, 0.62, 0.56).normalize(),
             glow: Vec3::new(0.9, 0.8, 0.6),
-            // A quarter at 34 degrees: wide enough for the quadrature. What is narrower belongs to the lights.
-            sharpness: 6.0,
         }
     }
 
@@ -67,20 +57,24 @@ impl Environment {
     /// [`Environment::radiance`] of several directions, by colour.
     #[inline(always)]
     pub(super) fn lanes(&self, [x, y, z]: [Lanes; 3]) -> [Lanes; 3] {
-        let up: Lanes = from_fn(|i| 0.5 + 0.5 * y[i] / (y[i] * y[i] + self.softness * self.softness).sqrt());
-        let low: Lanes = from_fn(|i| {
+        let steep = 0.5 / self.softness;
+        let range = self.horizon - self.zenith;
+        let mut out = [[0.0; LANES]; 3];
+        // Plain loops: closures inside from_fn are not always inlined, and then not vectorised.
+        for i in 0..LANES {
+            let u = (0.5 + steep * y[i]).clamp(0.0, 1.0);
+            let up = u * u * (3.0 - 2.0 * u);
             let rest = 1.0 - y[i].abs();
-            rest * rest * (rest * rest)
-        });
-        let glow: Lanes = from_fn(|i| {
-            let cos = x[i] * self.sun.x + y[i] * self.sun.y + z[i] * self.sun.z;
-            let below = 1.0 + self.sharpness * (1.0 - cos);
-            1.0 / (below * below)
-        });
-        from_fn(|c| {
-            let (ground, horizon, zenith) = (self.ground[c], self.horizon[c], self.zenith[c]);
-            from_fn(|i| ground + up[i] * (zenith + (horizon - zenith) * low[i] - ground) + self.glow[c] * glow[i])
-        })
+            let low = rest * rest * (rest * rest);
+            let near = 0.5 + 0.5 * (x[i] * self.sun.x + y[i] * self.sun.y + z[i] * self.sun.z);
+            let near = near * near * (near * near);
+            let near = near * near * (near * near);
+            for c in 0..3 {
+                let above = self.zenith[c] + range[c] * low - self.ground[c];
+                out[c][i] = self.ground[c] + up * above + self.glow[c] * near;
+            }
+        }
+        out
     }
 }
 
@@ -121,15 +115,19 @@ mod tests {
 
     #[test]
     fn radiance_worked_by_hand() {
-        let sky = Environment { sun: Vec3::X, sharpness: 2.0, glow: Vec3::splat(4.0), ..Environment::clear_sky() };
-        // Across the horizon the step is a half; the glow a quarter at 60 degrees, and a ninth at 90.
-        let level = sky.radiance(Vec3::Z) - 4.0 / 9.0;
-        assert!((level - 0.5 * (sky.ground + sky.horizon)).length() < 1e-6, "{level}");
-        let tilted = Vec3::new(0.5, 0.0, 0.75f32.sqrt());
-        assert!((sky.radiance(tilted) - sky.radiance(Vec3::Z) - (1.0 - 4.0 / 9.0)).length() < 1e-6);
-        let up = (1.0 + 1.0 / (1.0 + 0.1f32 * 0.1).sqrt()) / 2.0;
-        let zenith = sky.ground + up * (sky.zenith - sky.ground) + 4.0 / 9.0;
-        assert!((sky.radiance(Vec3::Y) - zenith).length() < 1e-6);
+        let sky = Environment { sun: Vec3::X, glow: Vec3::splat(4.0), ..Environment::clear_sky() };
+        // Across the horizon the step is a half; the glow is 1/65536 of itself at 90 degrees, and (3/4)^16 at 60.
+        let level = sky.radiance(Vec3::Z);
+        assert!((level - 0.5 * (sky.ground + sky.horizon) - 4.0 / 65536.0).length() < 1e-6, "{level}");
+        let tilted = sky.radiance(Vec3::new(0.5, 0.0, 0.75f32.sqrt()));
+        assert!((tilted - level - 4.0 * (0.75f32.powi(16) - 1.0 / 65536.0)).length() < 1e-6);
+        assert!((sky.radiance(Vec3::Y) - sky.zenith - 4.0 / 65536.0).length() < 1e-6);
+        assert!((sky.radiance(-Vec3::Y) - sky.ground - 4.0 / 65536.0).length() < 1e-6);
+        // An eighth of the step's width up: u = 5/8.
+        let t = 0.05f32;
+        let above = sky.zenith + (sky.horizon - sky.zenith) * (1.0 - t).powi(4);
+        let expected = sky.ground + 0.625f32.powi(2) * 1.75 * (above - sky.ground) + 4.0 / 65536.0;
+        assert!((sky.radiance(Vec3::new(0.0, t, (1.0 - t * t).sqrt())) - expected).length() < 1e-6);
         assert_eq!(Environment::constant(Vec3::ONE).radiance(Vec3::new(0.6, -0.8, 0.0)), Vec3::ONE);
     }
 
@@ -196,7 +194,8 @@ mod tests {
         assert!((facing - 0.3).abs() < 1e-3, "{facing}");
     }
 
-    /// The usual points against many, under the sky.
+    /// The usual points against many, under the sky: within 12 percent for a narrow lobe that shows the dark ground,
+    /// whose wide tails toward the sky few points miss, and within 8 percent else.
     #[test]
     fn few_points_are_enough_for_a_smooth_sky() {
         let sky = Environment::clear_sky();
@@ -206,7 +205,10 @@ mod tests {
                 let [few, many] = [POINTS, 8192].map(|points| reflected(sky, points, &lobe, view, 0.9));
                 let error = (few - many).length() / many.length();
 
-                assert!(error < 0.08, "alpha {alpha_x} {alpha_y}, {view}: {few} {many}");
+                assert!(
+                    error < if alpha_x < 0.1 { 0.12 } else { 0.08 },
+                    "alpha {alpha_x} {alpha_y}, {view}: {few} {many}"
+                );
             }
         }
     }

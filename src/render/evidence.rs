@@ -164,6 +164,47 @@ fn folded_mips_come_closer_to_the_truth() {
     }
 }
 
+/// A ball in a white furnace: every pixel of a constant sky is the directional albedo, which f64 integrates from the
+/// lobe; a mirror vanishes in it.
+#[test]
+fn a_ball_in_a_furnace_shows_its_albedo() {
+    let furnace = |f0| Scene {
+        f0: Vec3::splat(f0),
+        lights: vec![],
+        environment: Some(Environment::constant(Vec3::splat(0.7))),
+        ..Scene::outdoor()
+    };
+    let draw = |scene, alpha| render(&scene, &constant(Lobe::isotropic(Vec3::Z, Alpha(alpha))), 9, Sampling::mips(1));
+    assert!(draw(furnace(1.0), 1e-3).iter().all(|v| (v - 0.7).abs() < 2e-3));
+    // Beside the ball the sky itself is seen; in its middle, a lobe that faces the view.
+    let rough = draw(furnace(1.0), 1.0);
+    assert_eq!(rough[(0, 0, 0)], 0.7);
+    assert!((rough[(4, 4, 1)] - 0.7 * (1.0 - LN_2)).abs() < 0.01, "{}", rough[(4, 4, 1)]);
+    let gray = draw(furnace(0.5), 1e-3)[(4, 4, 2)];
+    assert!((gray - 0.35).abs() < 1e-3, "{gray}");
+}
+
+/// On a floor that leans far back, footprints are about three times as long as wide. Ridges along them are as fine as a pixel
+/// is wide: trilinear look-ups blur them, probes along the footprint do not. One ray a pixel.
+#[test]
+fn anisotropic_look_ups_come_closer_where_footprints_are_long() {
+    let size = Size::new(256, 256);
+    let ridges = Lobes::from_fn(Form::Isotropic, size, |x, _| {
+        let slope = 0.25 * (x as f32 / 8.0 * 2.0 * PI).sin();
+        Lobe::isotropic(Vec3::new(slope, 0.0, 1.0).normalize(), Alpha(0.3))
+    });
+    let levels = chain(&ridges, true);
+    let scene = Scene { repeats: 0.4, ..Scene::outdoor_panel() };
+    let truth = render(&scene, &levels[..1], 48, Sampling::Supersampled { per_side: 12 });
+    let error = |filter| {
+        let image = render(&scene, &levels, 48, Sampling::Mips { per_side: 1, filter });
+        (&image - &truth).iter().map(|e| e.abs()).sum::<f32>() / truth.sum()
+    };
+    let [trilinear, two, many] =
+        [Filter::Trilinear, Filter::Anisotropic { taps: 2 }, Filter::Anisotropic { taps: 16 }].map(error);
+    assert!(many < 0.7 * trilinear && many < two, "trilinear {trilinear}, 2 taps {two}, 16 taps {many}");
+}
+
 #[test]
 fn strip_has_its_rows_and_columns() {
     let levels = constant(Lobe::isotropic(Vec3::Z, Alpha(0.3)));

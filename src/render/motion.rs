@@ -115,6 +115,7 @@ mod tests {
     use super::*;
     use crate::image::Size;
     use crate::ndf::{Form, Lobe};
+    use crate::render::{Shape, render};
     use crate::roughness::Alpha;
     use glam::Vec3;
     use std::sync::atomic::{AtomicUsize, Ordering};
@@ -149,24 +150,35 @@ mod tests {
         assert_eq!((Motion::Zoom.texels(0, 1), Motion::Pan.texels(3, 9)), (1.0, 8.0));
     }
 
-    /// A pan by n frames is the picture n steps further on: in the middle of a panel that faces the camera, where the
-    /// texture does not change its size, 100 steps are 31 pixels to the right and 17 up.
+    /// On a panel that faces the camera, where the texture has one size everywhere, 25 frames of a pan move it by 7.75
+    /// pixels to the right and 4.25 up.
     #[test]
     fn a_pan_moves_by_parts_of_a_pixel() {
-        let panel = Scene { shape: super::super::Shape::Plane { tilt: 0.0 }, ..Scene::studio() };
-        // Without lights that move over the panel: white from everywhere.
-        let scene = Scene { lights: vec![], environment: Some(super::super::Environment::clear_sky()), ..panel };
-        let levels = [waves(Size::new(256, 256))];
-        let texture = Texture::new(&levels);
-        let (near, steps) = at_distance(&scene, &texture, 1.0, 48);
+        let scene = Scene { shape: Shape::Plane { tilt: 0.0 }, ..Scene::studio() };
+        let texture = Texture::new(&[waves(Size::new(256, 256))]);
+        let (scene, steps) = at_distance(&scene, &texture, 1.0, 48);
         let at = |frames: f32, place: Vec2| {
             let shift = frames * (Mat2::from_cols(steps[0], steps[1]) * PAN_STEP);
-            texture.base(hit(&near, place, 48).unwrap().uv - shift)
+            texture.base(hit(&scene, place, 48).unwrap().uv - shift).normal
         };
-        let pixel = 2.0 / 48.0;
-        let moved = at(100.0, Vec2::new(0.1, -0.2) + pixel * Vec2::new(31.0, 17.0) * 0.25);
-        let still = at(75.0, Vec2::new(0.1, -0.2));
-        assert!((moved.normal - still.normal).length() < 1e-3, "{moved:?} {still:?}");
+        let place = Vec2::new(0.1, -0.2);
+        let moved = place + 2.0 / 48.0 * Vec2::new(7.75, 4.25);
+        assert!((at(100.0, moved) - at(75.0, place)).length() < 1e-3);
+        assert!((at(100.0, place) - at(75.0, place)).length() > 1e-2);
+    }
+
+    /// The first frame is a still picture of the scene, and of so many rays a pixel.
+    #[test]
+    fn frames_are_pictures() {
+        let levels = [waves(Size::new(64, 64)), waves(Size::new(32, 32))];
+        for (motion, texels) in [(Motion::Zoom, 1.0), (Motion::Pan, 8.0)] {
+            let (scene, _) = at_distance(&Scene::outdoor(), &Texture::new(&levels), texels, 16);
+            let frames =
+                |sampling| sequence(&Scene::outdoor(), &levels, motion, 2, 16, sampling, &|| ()).swap_remove(0);
+            assert_eq!(frames(Sampling::mips(1)), render(&scene, &levels, 16, Sampling::mips(1)));
+            let per_side = if motion == Motion::Zoom { 4 } else { 8 };
+            assert_eq!(frames(motion.truth()), render(&scene, &levels[..1], 16, Sampling::Supersampled { per_side }));
+        }
     }
 
     /// Frames follow each other closely, and twice as many follow more closely.
@@ -174,7 +186,7 @@ mod tests {
     fn motion_is_continuous() {
         let levels = [waves(Size::new(128, 128))];
         let truth = |motion: Motion, frames| {
-            sequence(&Scene::outdoor(), &levels, motion, frames, 24, Sampling::Supersampled { per_side: 8 }, &|| ())
+            sequence(&Scene::outdoor(), &levels, motion, frames, 16, Sampling::Supersampled { per_side: 6 }, &|| ())
         };
         let largest = |frames: &[Image]| frames.windows(2).map(|pair| change(&pair[0], &pair[1])).fold(0.0, f32::max);
         let [coarse, fine] = [17, 65].map(|frames| largest(&truth(Motion::Zoom, frames)));
@@ -192,11 +204,11 @@ mod tests {
             let Sampling::Supersampled { per_side } = motion.truth() else { panic!("the truth is supersampled") };
             let draw = |per_side| {
                 let sampling = Sampling::Supersampled { per_side };
-                sequence(&Scene::outdoor(), &levels, motion, 3, 24, sampling, &|| {
+                sequence(&Scene::outdoor(), &levels, motion, 3, 12, sampling, &|| {
                     calls.fetch_add(1, Ordering::Relaxed);
                 })
             };
-            let (usual, many) = (draw(per_side), draw(4 * per_side));
+            let (usual, many) = (draw(per_side), draw(3 * per_side));
             assert_eq!(calls.load(Ordering::Relaxed), 6);
             for (usual, many) in usual.iter().zip(&many) {
                 assert!(change(usual, many) < 0.02, "{motion:?}: {}", change(usual, many));

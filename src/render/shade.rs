@@ -131,7 +131,8 @@ impl Prepared {
             let q = inverse[0] * hx * hx + inverse[1] * hx * hy + inverse[2] * hy * hy + hz * hz;
             let below = q * q * (lz * sv + v[2] * stretch(*r, lx, ly, lz));
             let specular = if lz > 0.0 { scale * h2 * h2 * lz / below } else { 0.0 };
-            sums.add(i, 0.5 * h2.sqrt(), [0, 1, 2].map(|c| specular * irradiance[c][i]));
+            let lit = [specular * irradiance[0][i], specular * irradiance[1][i], specular * irradiance[2][i]];
+            sums.add(i, 0.5 * h2.sqrt(), lit);
         }
     }
 
@@ -154,20 +155,24 @@ impl Prepared {
             let flat = (1.0 - z * z).max(0.0).sqrt();
             let (hx, hy, hz) = (flat * cos[i] + ball[0], flat * sin[i] + ball[1], z + ball[2]);
             let (nx, ny) = (m[0] * hx + m[1] * hy, m[1] * hx + m[2] * hy);
-            let length = (nx * nx + ny * ny + hz * hz).sqrt().max(f32::MIN_POSITIVE);
-            let dot = (nx * v[0] + ny * v[1] + hz * v[2]) / length;
-            let twice = 2.0 * dot / length;
-            vm[i] = dot;
+            let inverse = 1.0 / (nx * nx + ny * ny + hz * hz).max(f32::MIN_POSITIVE);
+            let dot = nx * v[0] + ny * v[1] + hz * v[2];
+            let twice = 2.0 * dot * inverse;
+            vm[i] = dot * inverse.sqrt();
             (l[0][i], l[1][i], l[2][i]) = (twice * nx - v[0], twice * ny - v[1], twice * hz - v[2]);
         }
-        let world: [Lanes; 3] =
-            from_fn(|c| from_fn(|i| l[0][i] * axes[0][c] + l[1][i] * axes[1][c] + l[2][i] * axes[2][c]));
+        let mut world = [[0.0; LANES]; 3];
+        for c in 0..3 {
+            for i in 0..LANES {
+                world[c][i] = l[0][i] * axes[0][c] + l[1][i] * axes[1][c] + l[2][i] * axes[2][c];
+            }
+        }
         let radiance = environment.lanes(world);
         for i in 0..LANES {
             let (lx, ly, lz) = (l[0][i], l[1][i], l[2][i]);
             let weight = share * lz * (v[2] + sv) / (lz * sv + v[2] * stretch(*r, lx, ly, lz));
             let weight = if lz > 0.0 { weight } else { 0.0 };
-            sums.add(i, vm[i], [0, 1, 2].map(|c| weight * radiance[c][i]));
+            sums.add(i, vm[i], [weight * radiance[0][i], weight * radiance[1][i], weight * radiance[2][i]]);
         }
     }
 }
@@ -202,9 +207,15 @@ impl Lighting {
         let mut sums = Sums { facing: [[0.0; LANES]; 3], grazing: [[0.0; LANES]; 3] };
         self.groups.iter().for_each(|group| lobe.light(group, &mut sums));
         for near in self.near.chunks(LANES) {
-            let mut lights = [(Vec3::ZERO, Vec3::ZERO); LANES];
-            lights.iter_mut().zip(near).for_each(|(light, near)| *light = near.at(position));
-            lobe.light(&Group::new(&lights[..near.len()]), &mut sums);
+            let mut group = Group { direction: [[0.0; LANES]; 3], irradiance: [[0.0; LANES]; 3] };
+            for (i, near) in near.iter().enumerate() {
+                let (direction, irradiance) = near.at(position);
+                for c in 0..3 {
+                    group.direction[c][i] = direction[c];
+                    group.irradiance[c][i] = irradiance[c];
+                }
+            }
+            lobe.light(&group, &mut sums);
         }
         if let Some(environment) = &self.environment {
             let share = 1.0 / (LANES * self.points.0.len()) as f32;
