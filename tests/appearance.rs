@@ -36,7 +36,7 @@ fn error(material: &Material, fold: &'static Fold, form: Form) -> f32 {
     let levels = levels(material, fold, form);
     let one = |scene: Scene| {
         let truth = render(&scene, &levels[..1], PIXELS, Sampling::Supersampled { per_side: 32 });
-        let seen = render(&scene, &levels, PIXELS, Sampling::Mips { per_side: 4 });
+        let seen = render(&scene, &levels, PIXELS, Sampling::mips(4));
         let difference: f32 = seen.iter().zip(&truth).map(|(a, b)| (a - b).abs()).sum();
         difference / truth.sum()
     };

@@ -202,7 +202,6 @@ fn json_is_the_report_and_quiet_is_silent() {
 
 /// The same surface in other packings and conventions is the same chain.
 #[test]
-#[ignore = "needs the judge"]
 fn conventions_of_foreign_chains_are_understood() {
     let desk = built();
     let copy = |name: &str, from: &str, texel: &dyn Fn(&[u8]) -> Vec<u8>| {
@@ -239,7 +238,6 @@ fn conventions_of_foreign_chains_are_understood() {
 }
 
 #[test]
-#[ignore = "needs the judge"]
 fn every_container_is_right_at_level_0_and_close_to_the_others() {
     let desk = built();
     let report = json(&desk, &format!("@out @out,container=exr @out,container=lobes @out/n_lobes.exr {BASE} {QUICK}"));
@@ -260,7 +258,6 @@ fn every_container_is_right_at_level_0_and_close_to_the_others() {
 }
 
 #[test]
-#[ignore = "needs the judge"]
 fn limits_decide_the_exit_code() {
     let desk = built();
     let limited = |args: &str| run(&desk, &format!("@out {BASE} {QUICK} {args}"));
@@ -283,7 +280,6 @@ fn limits_decide_the_exit_code() {
 }
 
 #[test]
-#[ignore = "needs the judge"]
 fn equal_seeds_give_equal_reports() {
     let desk = built();
     let report = |args: &str| json(&desk, &format!("@out --texels 4 --directions 8 {args}"))["chains"].clone();
@@ -296,7 +292,6 @@ fn equal_seeds_give_equal_reports() {
 
 /// Real textures: what was built is right at level 0, whatever its packing, depth or convention.
 #[test]
-#[ignore = "needs the judge"]
 fn real_textures_are_right_at_level_0() {
     let Some(textures) = common::textures() else { return };
     let desk = Desk::empty();

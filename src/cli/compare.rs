@@ -5,7 +5,6 @@ use rayon::prelude::*;
 use super::args::{Global, LobesArg};
 use super::chains::{Chain, Source};
 use super::compare_args::{CompareArgs, FoldChoice};
-use super::compare_output::{json, verdict};
 use super::inputs::{folder, read_as, single};
 use super::judging::{Judging, REPORT_FILES, is_report};
 use super::report::Report;
@@ -16,6 +15,7 @@ use crate::fold::{self, DEFAULT_FOLD, FOLDS, Fold, Options};
 use crate::material::{Earlier, LevelChain, Material, Texels, base_lobes, load, read_folder};
 use crate::ndf::{Form, Lobes};
 use crate::output::{Stage, may_write};
+use crate::report::{json, verdict};
 
 /// Name of the baseline.
 const PLAIN: &str = "plain mips";

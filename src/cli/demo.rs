@@ -4,7 +4,6 @@ use std::path::Path;
 
 use super::args::{DemoArgs, Global};
 use super::compare::{levels, plain_mips};
-use super::compare_output::verdict;
 use super::job::{Done, Job};
 use super::judging::{Judging, REPORT_FILES, is_report};
 use super::report::Report;
@@ -17,6 +16,7 @@ use crate::material::{ChannelRef, Earlier, Inputs, RoughnessInput};
 use crate::output::{Format, Request, Stage, may_write};
 use crate::reference::Reading;
 use crate::render::{DISTANCES, Scene, distance_strip};
+use crate::report::verdict;
 use crate::sample::{SAMPLES, Sample, by_name};
 
 /// Pixels along each side of a cell of the picture.

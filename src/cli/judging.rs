@@ -2,13 +2,12 @@
 
 use std::path::Path;
 
-use super::compare_output::{csv, json, motion, page};
 use super::report::Report;
 use crate::compare::{Candidate, ChainScore, Limit, Settings, judge};
 use crate::error::Result;
 use crate::material::{GENERATOR, Material};
 use crate::output::Stage;
-use crate::report::Subject;
+use crate::report::{self, Subject};
 
 /// The files of a report; the first marks a folder as ours.
 pub const REPORT_FILES: [&str; 3] = ["report.json", "report.csv", "report.html"];
@@ -64,7 +63,13 @@ impl Judging<'_> {
             command: &command,
             motion,
         };
-        let moving = if self.motion { motion(&subject(&[]), report)? } else { Vec::new() };
+        let moving = if self.motion {
+            report.progress.set_message(format!("drawing {} in motion", self.material.name));
+            let bar = report.portion();
+            report::motion(self.material, self.candidates, &|share| bar.show(share))
+        } else {
+            Vec::new()
+        };
         let findings = Findings { subject: subject(&moving) };
         then(&findings, report)
     }
@@ -77,11 +82,11 @@ pub struct Findings<'a> {
 
 impl Findings<'_> {
     /// The files of the report.
-    pub fn write(&self, stage: &Stage, report: &Report) -> Result<()> {
+    pub fn write(&self, stage: &Stage, told: &Report) -> Result<()> {
         let subject = &self.subject;
-        report.progress.set_message(format!("drawing the report of {}", subject.material.name));
-        let bar = report.portion();
-        let texts = [json(subject), csv(subject), page(subject, &|share| bar.show(share))?];
+        told.progress.set_message(format!("drawing the report of {}", subject.material.name));
+        let bar = told.portion();
+        let texts = [report::json(subject), report::csv(subject), report::page(subject, &|share| bar.show(share))?];
         for (name, text) in REPORT_FILES.iter().zip(texts) {
             stage.write(name, |out| std::io::Write::write_all(out, text.as_bytes()))?;
         }

@@ -6,7 +6,6 @@ mod build;
 mod chains;
 mod compare;
 mod compare_args;
-mod compare_output;
 mod demo;
 mod inputs;
 mod job;

@@ -20,6 +20,7 @@ use sha2::{Digest, Sha256};
 use crate::error::{Error, Result};
 use crate::image::{Raster, Size};
 
+mod apng;
 pub mod exr;
 mod pictures;
 pub mod png;
@@ -28,6 +29,7 @@ mod tiff;
 #[cfg(test)]
 mod tests;
 
+pub use apng::write_apng;
 pub use exr::{Channel, Depth, read_exr_levels, write_exr};
 pub use png::write_png;
 

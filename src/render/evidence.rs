@@ -67,7 +67,7 @@ fn a_constant_material_looks_the_same_by_mips_and_by_supersampling() {
     let levels = constant(Lobe { normal: Vec3::new(0.1, -0.05, 1.0).normalize(), roughness });
     for scene in [Scene::studio(), Scene::studio_panel()] {
         for pixels in [64, 16, 4, 1] {
-            let mips = render(&scene, &levels, pixels, Sampling::Mips { per_side: 4 });
+            let mips = render(&scene, &levels, pixels, Sampling::mips(4));
             let truth = render(&scene, &levels, pixels, Sampling::Supersampled { per_side: 4 });
             assert!(mips.iter().zip(&truth).all(|(a, b)| (a - b).abs() <= 1e-3 * b.max(1.0)), "{pixels} pixels");
         }
@@ -83,14 +83,14 @@ fn a_known_pixel_worked_with_the_lobe() {
     let scene = Scene {
         shape: Shape::Plane { tilt: 0.0 },
         f0,
-        lights: vec![Light { direction, irradiance }],
+        lights: vec![Light::Directional { direction, irradiance }],
         ..Scene::studio()
     };
     let (v, l) = (DVec3::Z, direction.as_dvec3());
     let grazing = (1.0 - v.dot((v + l).normalize())).powi(5) as f32;
     let fresnel = f0 + (1.0 - f0) * grazing;
     let expected = fresnel * irradiance * lobe.specular(v, l) as f32;
-    for sampling in [Sampling::Mips { per_side: 1 }, Sampling::Supersampled { per_side: 1 }] {
+    for sampling in [Sampling::mips(1), Sampling::Supersampled { per_side: 1 }] {
         let image = render(&scene, &constant(lobe), 1, sampling);
         let found = Vec3::new(image[(0, 0, 0)], image[(0, 0, 1)], image[(0, 0, 2)]);
         assert!((found - expected).length() < 1e-4 * expected.length(), "{found} {expected}");
@@ -108,12 +108,15 @@ fn white_furnace_loses_a_little_energy() {
         let z = 1.0 - (2 * i + 1) as f32 / LIGHTS as f32;
         let (sin, cos) = (i as f32 * 2.399963).sin_cos();
         let r = (1.0 - z * z).sqrt();
-        Light { direction: Vec3::new(r * cos, r * sin, z), irradiance: Vec3::splat(4.0 * PI / LIGHTS as f32) }
+        Light::Directional {
+            direction: Vec3::new(r * cos, r * sin, z),
+            irradiance: Vec3::splat(4.0 * PI / LIGHTS as f32),
+        }
     });
     let scene = Scene { f0: Vec3::ONE, lights: lights.collect(), ..Scene::studio() };
     let draw = |alpha, pixels| {
         let levels = constant(Lobe::isotropic(Vec3::Z, Alpha(alpha)));
-        render(&scene, &levels, pixels, Sampling::Mips { per_side: 1 })
+        render(&scene, &levels, pixels, Sampling::mips(1))
     };
     let middle = draw(1.0, 1)[(0, 0, 0)];
     assert!((middle - (1.0 - LN_2)).abs() < 2e-3, "{middle}");
@@ -152,13 +155,54 @@ fn folded_mips_come_closer_to_the_truth() {
         for scene in [Scene::studio(), Scene::studio_panel()] {
             let truth = render(&scene, &plain, 16, Sampling::Supersampled { per_side: 24 });
             let error = |levels: &[Lobes]| {
-                let image = render(&scene, levels, 16, Sampling::Mips { per_side: 4 });
+                let image = render(&scene, levels, 16, Sampling::mips(4));
                 (&image - &truth).iter().map(|e| e.abs()).sum::<f32>() / truth.sum()
             };
             let (plain, folded) = (error(&plain), error(&folded));
             assert!(folded < 0.75 * plain, "{name}, {:?}: plain {plain}, folded {folded}", scene.shape);
         }
     }
+}
+
+/// A ball in a white furnace: every pixel of a constant sky is the directional albedo, which f64 integrates from the
+/// lobe; a mirror vanishes in it.
+#[test]
+fn a_ball_in_a_furnace_shows_its_albedo() {
+    let furnace = |f0| Scene {
+        f0: Vec3::splat(f0),
+        lights: vec![],
+        environment: Some(Environment::constant(Vec3::splat(0.7))),
+        ..Scene::outdoor()
+    };
+    let draw = |scene, alpha| render(&scene, &constant(Lobe::isotropic(Vec3::Z, Alpha(alpha))), 9, Sampling::mips(1));
+    assert!(draw(furnace(1.0), 1e-3).iter().all(|v| (v - 0.7).abs() < 2e-3));
+    // Beside the ball the sky itself is seen; in its middle, a lobe that faces the view.
+    let rough = draw(furnace(1.0), 1.0);
+    assert_eq!(rough[(0, 0, 0)], 0.7);
+    assert!((rough[(4, 4, 1)] - 0.7 * (1.0 - LN_2)).abs() < 0.01, "{}", rough[(4, 4, 1)]);
+    let gray = draw(furnace(0.5), 1e-3)[(4, 4, 2)];
+    assert!((gray - 0.35).abs() < 1e-3, "{gray}");
+}
+
+/// On a floor that leans far back, footprints are about three times as long as wide. Ridges along them are as fine as a pixel
+/// is wide: trilinear look-ups blur them, probes along the footprint do not. One ray a pixel.
+#[test]
+fn anisotropic_look_ups_come_closer_where_footprints_are_long() {
+    let size = Size::new(256, 256);
+    let ridges = Lobes::from_fn(Form::Isotropic, size, |x, _| {
+        let slope = 0.25 * (x as f32 / 8.0 * 2.0 * PI).sin();
+        Lobe::isotropic(Vec3::new(slope, 0.0, 1.0).normalize(), Alpha(0.3))
+    });
+    let levels = chain(&ridges, true);
+    let scene = Scene { repeats: 0.4, ..Scene::outdoor_panel() };
+    let truth = render(&scene, &levels[..1], 48, Sampling::Supersampled { per_side: 12 });
+    let error = |filter| {
+        let image = render(&scene, &levels, 48, Sampling::Mips { per_side: 1, filter });
+        (&image - &truth).iter().map(|e| e.abs()).sum::<f32>() / truth.sum()
+    };
+    let [trilinear, two, many] =
+        [Filter::Trilinear, Filter::Anisotropic { taps: 2 }, Filter::Anisotropic { taps: 16 }].map(error);
+    assert!(many < 0.7 * trilinear && many < two, "trilinear {trilinear}, 2 taps {two}, 16 taps {many}");
 }
 
 #[test]

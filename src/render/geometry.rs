@@ -14,6 +14,8 @@ const HALF_PANEL: f32 = 0.92;
 
 /// A visible point of the object.
 pub(super) struct Hit {
+    /// Where it is; the object's middle is the origin.
+    pub position: Vec3,
     /// Unit, towards the camera.
     pub view: Vec3,
     /// Of the shape, unit.
@@ -26,13 +28,19 @@ pub(super) struct Hit {
     /// of its axes. The longer one, which hardware without anisotropic filtering takes, would blur the rim by
     /// more than the truth does, and so blame the filter for what the chain did not do.
     pub footprint: f32,
+    /// How `uv` changes over one pixel to the right, and over one pixel up.
+    pub steps: [Vec2; 2],
 }
 
-/// The ray through `place` (-1 to 1, right and up) of a picture `pixels` wide.
+/// Direction of the ray through `place` (-1 to 1, right and up) of a picture.
+pub(super) fn ray(place: Vec2) -> Vec3 {
+    (place * HALF_VIEW).extend(-1.0).normalize()
+}
+
+/// Where the ray through `place` of a picture `pixels` wide meets the object.
 pub(super) fn hit(scene: &Scene, place: Vec2, pixels: usize) -> Option<Hit> {
     let origin = Vec3::new(0.0, 0.0, DISTANCE);
-    let screen = place * HALF_VIEW;
-    let ray = screen.extend(-1.0).normalize();
+    let ray = ray(place);
     // `uv_per_length` is along either axis of the frame.
     let (along, normal, frame, uv, uv_per_length) = match scene.shape {
         Shape::Sphere => {
@@ -67,7 +75,13 @@ pub(super) fn hit(scene: &Scene, place: Vec2, pixels: usize) -> Option<Hit> {
     let pixel = 2.0 * HALF_VIEW / pixels as f32;
     let slant = ray.z * ray.z / normal.dot(view).max(1e-4) * -ray.z;
     let footprint = uv_per_length * pixel * along * slant.sqrt();
-    Some(Hit { view, normal, frame, uv: uv + 0.5, footprint })
+    // A pixel further on the screen (at distance 1), moved along the ray back onto the tangent plane.
+    let step = |screen: Vec3| {
+        let moved = along * -ray.z * pixel * (screen - ray * (screen.dot(normal) / ray.dot(normal).min(-1e-4)));
+        uv_per_length * Vec2::new(moved.dot(frame.tangent), moved.dot(frame.bitangent))
+    };
+    let steps = [step(Vec3::X), step(Vec3::Y)];
+    Some(Hit { position: origin + along * ray, view, normal, frame, uv: uv + 0.5, footprint, steps })
 }
 
 #[cfg(test)]
@@ -85,6 +99,28 @@ mod tests {
                 let area = 0.5 * diagonals.0.perp_dot(diagonals.1).abs();
                 let footprint = hit(&scene, place, PIXELS).unwrap().footprint;
                 assert!((footprint * footprint / area - 1.0).abs() < 0.01, "{place} {footprint} {area}");
+            }
+        }
+    }
+
+    /// The steps against neighbouring rays; their parallelogram has the footprint's area.
+    #[test]
+    fn steps_are_the_differences_between_rays() {
+        const PIXELS: usize = 1000;
+        for scene in [Scene::studio(), Scene::studio_panel(), Scene::outdoor_panel()] {
+            for place in [Vec2::ZERO, Vec2::new(0.5, -0.3), Vec2::new(-0.4, 0.2)] {
+                let at = |x: f32, y: f32| hit(&scene, place + Vec2::new(x, y) / PIXELS as f32, PIXELS).unwrap();
+                let Hit { steps, footprint, position, normal, .. } = at(0.0, 0.0);
+                let seen = [at(1.0, 0.0).uv - at(-1.0, 0.0).uv, at(0.0, 1.0).uv - at(0.0, -1.0).uv];
+                for (step, seen) in steps.iter().zip(seen) {
+                    assert!((step - seen).length() < 0.01 * seen.length(), "{place} {step} {seen}");
+                }
+                let area = steps[0].perp_dot(steps[1]);
+                assert!((area / (footprint * footprint) - 1.0).abs() < 1e-3, "{place} {area} {footprint}");
+                match scene.shape {
+                    Shape::Sphere => assert!((position - normal).length() < 1e-5),
+                    Shape::Plane { .. } => assert!(position.dot(normal).abs() < 1e-5),
+                }
             }
         }
     }

@@ -5,9 +5,9 @@ use ndarray::Array3;
 use rayon::prelude::*;
 
 use super::Scene;
-use super::geometry::hit;
+use super::geometry::{hit, ray};
 use super::shade::Lighting;
-use super::texture::Texture;
+use super::texture::{Filter, Texture};
 use crate::image::{Raster, Samples};
 use crate::ndf::Lobes;
 
@@ -18,11 +18,13 @@ pub type Image = Array3<f32>;
 /// middle of its share of the pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Sampling {
-    /// From the chain, trilinear, at the level that fits the whole pixel. One ray is what a game draws; more rays
+    /// From the chain, at the level that fits the whole pixel. One ray is what a game draws; more rays
     /// smooth the shape's rim and curvature, and leave what the chain does to the texture.
     Mips {
         /// Rays along one side of a pixel.
         per_side: usize,
+        /// How levels are looked up.
+        filter: Filter,
     },
     /// From level 0, bilinear: the truth, once rays lie closer than texels.
     Supersampled {
@@ -31,20 +33,35 @@ pub enum Sampling {
     },
 }
 
+impl Sampling {
+    /// Trilinear look-ups in the chain.
+    pub fn mips(per_side: usize) -> Self {
+        Self::Mips { per_side, filter: Filter::Trilinear }
+    }
+}
+
 /// A square picture, `pixels` wide, of the scene's object covered in a mip chain: `levels`, level 0 first, each half
 /// as large as the one before, repeating.
 pub fn render(scene: &Scene, levels: &[Lobes], pixels: usize, sampling: Sampling) -> Image {
-    let texture = Texture::new(levels);
-    let lighting = Lighting::new(&scene.lights, scene.f0);
+    draw(scene, &Texture::new(levels), Vec2::ZERO, pixels, sampling)
+}
+
+/// [`render`], with the texture moved on by `shift` in texture coordinates.
+pub(super) fn draw(scene: &Scene, texture: &Texture, shift: Vec2, pixels: usize, sampling: Sampling) -> Image {
+    let lighting = Lighting::new(&scene.lights, scene.environment, scene.f0);
     let radiance = |place: Vec2| {
-        let Some(hit) = hit(scene, place, pixels) else { return scene.background };
-        let lobe = match sampling {
-            Sampling::Mips { .. } => texture.mipped(hit.uv, hit.footprint),
-            Sampling::Supersampled { .. } => texture.base(hit.uv),
+        let Some(hit) = hit(scene, place, pixels) else {
+            return scene.environment.map_or(scene.background, |sky| sky.radiance(ray(place)));
         };
-        lighting.radiance(&lobe, hit.normal, hit.frame, hit.view)
+        let uv = hit.uv - shift;
+        let lobe = match sampling {
+            Sampling::Mips { filter: Filter::Trilinear, .. } => texture.mipped(uv, hit.footprint),
+            Sampling::Mips { filter: Filter::Anisotropic { taps }, .. } => texture.anisotropic(uv, hit.steps, taps),
+            Sampling::Supersampled { .. } => texture.base(uv),
+        };
+        lighting.radiance(&lobe, hit.position, hit.normal, hit.frame, hit.view)
     };
-    let (Sampling::Mips { per_side } | Sampling::Supersampled { per_side }) = sampling;
+    let (Sampling::Mips { per_side, .. } | Sampling::Supersampled { per_side }) = sampling;
     // Rays count from the picture's top left corner.
     let rays = (pixels * per_side) as f32;
     let place = |ray: usize| (2 * ray + 1) as f32 / rays - 1.0;
@@ -64,14 +81,18 @@ pub fn render(scene: &Scene, levels: &[Lobes], pixels: usize, sampling: Sampling
     image
 }
 
-/// 8-bit sRGB: `1 - exp(-exposure x radiance)` per channel, which keeps highlights apart that plain clipping would
+/// sRGB, 0 to 1: `1 - exp(-exposure x radiance)` per channel, which keeps highlights apart that plain clipping would
 /// make all white, then the curve of IEC 61966-2-1.
-pub fn tonemap(image: &Image, exposure: f32) -> Raster {
-    Raster::new(Samples::U8(image.mapv(|radiance| {
+pub fn display(image: &Image, exposure: f32) -> Image {
+    image.mapv(|radiance| {
         let linear = 1.0 - (-exposure * radiance).exp();
-        let encoded = if linear <= 0.0031308 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 };
-        (255.0 * encoded + 0.5) as u8
-    })))
+        if linear <= 0.0031308 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 }
+    })
+}
+
+/// [`display`] in 8 bits.
+pub fn tonemap(image: &Image, exposure: f32) -> Raster {
+    Raster::new(Samples::U8(display(image, exposure).mapv(|encoded| (255.0 * encoded + 0.5) as u8)))
 }
 
 #[cfg(test)]

@@ -2,6 +2,8 @@
 
 use glam::Vec3;
 
+use super::Environment;
+
 /// The object; both carry tangent frames of right angles and equal lengths, so textures are scaled, not sheared.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Shape {
@@ -15,13 +17,40 @@ pub enum Shape {
     },
 }
 
-/// A directional light.
+/// A light. x right, y up, z towards the camera; the object's middle is the origin, and the sphere's radius is 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Light {
-    /// Unit, towards the light. x right, y up, z towards the camera.
-    pub direction: Vec3,
-    /// Irradiance on a surface that faces it, linear RGB: radiance times solid angle.
-    pub irradiance: Vec3,
+pub enum Light {
+    /// Endlessly far.
+    Directional {
+        /// Unit, towards the light.
+        direction: Vec3,
+        /// Irradiance on a surface that faces it, linear RGB: radiance times solid angle.
+        irradiance: Vec3,
+    },
+    /// A point that shines the same in all directions.
+    Point {
+        /// Where it is.
+        position: Vec3,
+        /// Radiant intensity, linear RGB: irradiance on a surface that faces it, at distance 1.
+        intensity: Vec3,
+    },
+    /// A rectangle that shines evenly to one side, as Lambert's law has it. It stands for `columns` times `rows` points,
+    /// each in the middle of its share: a finite sum, so reflections narrower than the space between the points show
+    /// them apart.
+    Rectangle {
+        /// Of the rectangle.
+        middle: Vec3,
+        /// From the middle to the right and to the upper side; at right angles. It shines towards `right x up`.
+        right: Vec3,
+        /// See `right`.
+        up: Vec3,
+        /// Linear RGB.
+        radiance: Vec3,
+        /// Points along `right`.
+        columns: usize,
+        /// Points along `up`.
+        rows: usize,
+    },
 }
 
 /// An object, its metal, and its lights, before a fixed camera.
@@ -33,9 +62,11 @@ pub struct Scene {
     pub repeats: f32,
     /// Reflectance at normal incidence, linear RGB, 0 to 1.
     pub f0: Vec3,
-    /// The lights, all of them: there is no other environment.
+    /// The lights.
     pub lights: Vec<Light>,
-    /// Radiance beside the object, linear RGB. It lights nothing.
+    /// What surrounds the object, lights it from all sides, and is seen beside it.
+    pub environment: Option<Environment>,
+    /// Radiance beside the object where there is no environment, linear RGB. It lights nothing.
     pub background: Vec3,
     /// Radiances are multiplied by this before they are tone mapped.
     pub exposure: f32,
@@ -67,7 +98,7 @@ impl Softbox {
             let azimuth = (self.azimuth + across).to_radians();
             let flat = elevation.cos();
             let direction = Vec3::new(flat * azimuth.sin(), elevation.sin(), flat * azimuth.cos());
-            Light { direction: direction.normalize(), irradiance: self.irradiance / count as f32 }
+            Light::Directional { direction: direction.normalize(), irradiance: self.irradiance / count as f32 }
         })
     }
 }
@@ -105,6 +136,20 @@ fn studio_lights(window_azimuth: f32, window_side: f32) -> Vec<Light> {
     [window, strip, fill].iter().flat_map(Softbox::lights).collect()
 }
 
+/// A disc of haze that the sky's quadrature would be too coarse for, in the middle of the clear sky's glow.
+fn hazy_sun() -> impl Iterator<Item = Light> {
+    let sun = Softbox {
+        azimuth: -44.5,
+        elevation: 38.3,
+        width: 8.0,
+        height: 8.0,
+        columns: 4,
+        rows: 4,
+        irradiance: Vec3::new(1.1, 1.0, 0.8),
+    };
+    sun.lights().collect::<Vec<_>>().into_iter()
+}
+
 impl Scene {
     /// A silvery sphere in a dark studio, the window on its left.
     pub fn studio() -> Self {
@@ -113,6 +158,7 @@ impl Scene {
             repeats: 1.5,
             f0: Vec3::new(0.91, 0.92, 0.92),
             lights: studio_lights(-32.0, 22.0),
+            environment: None,
             background: Vec3::splat(0.012),
             exposure: 1.0,
         }
@@ -129,6 +175,34 @@ impl Scene {
             ..Self::studio()
         }
     }
+
+    /// A silvery sphere under a clear sky with a hazy sun on the upper left, and a warm lamp near its lower right.
+    pub fn outdoor() -> Self {
+        let lamp = Light::Point { position: Vec3::new(1.5, -0.9, 1.9), intensity: Vec3::new(1.3, 0.9, 0.5) };
+        Self {
+            lights: hazy_sun().chain([lamp]).collect(),
+            environment: Some(Environment::clear_sky()),
+            exposure: 0.9,
+            ..Self::studio()
+        }
+    }
+
+    /// A silvery floor under the same sky, leaning far back, with a lamp over its far end and a light panel over
+    /// its middle: pixels see long, thin footprints.
+    pub fn outdoor_panel() -> Self {
+        let lamp = Light::Point { position: Vec3::new(0.4, 1.0, -0.9), intensity: Vec3::new(0.5, 0.4, 0.25) };
+        let panel = Light::Rectangle {
+            middle: Vec3::new(-0.25, 1.1, -1.2),
+            right: Vec3::new(0.3, 0.0, 0.0),
+            // It shines down and towards the floor's middle.
+            up: Vec3::new(0.0, 0.3, 0.2),
+            radiance: Vec3::new(2.0, 2.1, 2.4),
+            columns: 6,
+            rows: 6,
+        };
+        let lights = hazy_sun().chain([lamp, panel]).collect();
+        Self { shape: Shape::Plane { tilt: 1.25 }, lights, repeats: 2.0, ..Self::outdoor() }
+    }
 }
 
 #[cfg(test)]
@@ -137,9 +211,12 @@ mod tests {
 
     #[test]
     fn studio_lights_are_unit_and_sum_to_their_boxes() {
-        let scene = Scene::studio();
-        assert!(scene.lights.iter().all(|light| (light.direction.length() - 1.0).abs() < 1e-6));
-        let total: Vec3 = scene.lights.iter().map(|light| light.irradiance).sum();
+        let mut total = Vec3::ZERO;
+        for light in Scene::studio().lights {
+            let Light::Directional { direction, irradiance } = light else { panic!("{light:?}") };
+            assert!((direction.length() - 1.0).abs() < 1e-6);
+            total += irradiance;
+        }
         assert!((total - Vec3::new(1.77, 1.78, 1.82)).length() < 1e-4, "{total}");
     }
 }

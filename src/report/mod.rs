@@ -5,6 +5,7 @@ mod disks;
 mod figures;
 mod histogram;
 mod mips;
+mod motion;
 mod page;
 mod pictures;
 mod plot;
@@ -15,6 +16,7 @@ mod tests;
 mod verdict;
 
 pub use data::{SCHEMA, csv, json, passes};
+pub use motion::motion;
 pub use page::page;
 pub use verdict::{Matters, SIGNIFICANT, UNSEEN, Verdict, verdict};
 

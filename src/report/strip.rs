@@ -58,7 +58,7 @@ pub(super) fn columns(base: &Lobes, chains: &[Candidate], look: Look, done: &dyn
         let mut drawn = Vec::new();
         for chain in chains {
             let from = finest(&chain.levels, &scene, pixels);
-            let picture = draw(&chain.levels[from..], pixels, Sampling::Mips { per_side: look.chain_rays });
+            let picture = draw(&chain.levels[from..], pixels, Sampling::mips(look.chain_rays));
             let error = distance(&picture, &truth);
             let mean = error.mean().unwrap_or(0.0);
             drawn.push((png(&picture)?, png(&heat(&error.mapv(|e| e / HOTTEST)))?, mean));

@@ -3,7 +3,7 @@
 //! | variable | what |
 //! |---|---|
 //! | `MIPFOLD_TEXTURES` | folder of real textures; default `../shared/textures` beside the package |
-//! | `MIPFOLD_PYTHON` | a Python that imports OpenImageIO and numpy; default `python3` |
+//! | `MIPFOLD_PYTHON` | a Python that imports OpenImageIO, numpy and flip_evaluator; default `python3` |
 //! | `MIPFOLD_CHROMIUM` | a Chromium or Chrome; default `chromium` |
 //! | `MIPFOLD_NO_SKIP` | if set, a test fails where it lacks one of these, and is not skipped |
 #![allow(dead_code, clippy::print_stderr)]
@@ -38,12 +38,17 @@ pub fn textures() -> Option<PathBuf> {
 
 /// A Python that imports OpenImageIO.
 pub fn python() -> Option<PathBuf> {
+    python_with(&["OpenImageIO", "numpy"])
+}
+
+/// A Python that imports these packages.
+pub fn python_with(packages: &[&str]) -> Option<PathBuf> {
     let python = PathBuf::from(std::env::var_os("MIPFOLD_PYTHON").unwrap_or_else(|| "python3".into()));
-    let check = std::process::Command::new(&python).args(["-c", "import OpenImageIO, numpy"]).output();
+    let check = std::process::Command::new(&python).args(["-c", &format!("import {}", packages.join(", "))]).output();
     if check.is_ok_and(|check| check.status.success()) {
         Some(python)
     } else {
-        skip(&format!("{} does not import OpenImageIO and numpy (MIPFOLD_PYTHON)", python.display()))
+        skip(&format!("{} does not import {} (MIPFOLD_PYTHON)", python.display(), packages.join(" and ")))
     }
 }
 
