@@ -24,6 +24,13 @@ pub struct Candidate {
     pub levels: Vec<Lobes>,
 }
 
+impl Candidate {
+    /// A chain that somebody else made.
+    pub fn new(name: impl Into<String>, levels: Vec<Lobes>) -> Self {
+        Self { name: name.into(), fold: None, levels }
+    }
+}
+
 /// How closely the judge looks.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Settings {
@@ -52,6 +59,14 @@ pub const LOBES_A_LEVEL: usize = 1 << 21;
 
 /// Texels that are listed as the worst of a level.
 const WORST: usize = 8;
+
+/// Judges one chain, and tells no progress.
+///
+/// # Errors
+/// As [`judge`].
+pub fn judge_one(base: &dyn Texels, chain: Candidate, settings: &Settings) -> Result<ChainScore> {
+    Ok(judge(base, &[chain], settings, &|_| ())?.chains.swap_remove(0))
+}
 
 /// Judges chains of one surface. `done` is called with the share of the work that is done, 0 to 1, from any thread.
 ///

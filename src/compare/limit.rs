@@ -134,11 +134,25 @@ impl fmt::Display for Breach {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { chain, level, limit, mean, stderr } = self;
         let (name, most) = (limit.metric.name, limit.most);
-        write!(f, "{chain}: level {level}: {name} {mean:.3} +- {stderr:.3}, {:.3} over the limit {most}", mean - most)
+        // Two digits of what is over, however little it is.
+        let over = mean - most;
+        let digits = if over > 0.0 { (1.0 - over.log10().floor()).clamp(3.0, 12.0) as usize } else { 3 };
+        write!(f, "{chain}: level {level}: {name} {mean:.digits$} +- {stderr:.digits$}, ")?;
+        write!(f, "{over:.digits$} over the limit {most}")
     }
 }
 
+impl std::error::Error for Breach {}
+
 impl ChainScore {
+    /// Whether every level keeps the limits: what a test of an engine asks.
+    ///
+    /// # Errors
+    /// The worst breach, whose text names the level and the excess.
+    pub fn keeps(&self, limits: &[Limit]) -> Result<(), Breach> {
+        self.breaches(limits).into_iter().next().map_or(Ok(()), Err)
+    }
+
     /// Every level past a limit, the furthest past its limit first. A mean that is not a number is past every limit.
     pub fn breaches(&self, limits: &[Limit]) -> Vec<Breach> {
         let mut found: Vec<Breach> = Vec::new();
@@ -192,6 +206,11 @@ mod tests {
         let levels: Vec<_> = breaches.iter().map(|b| b.level).collect();
         assert_eq!(levels, [3, 2, 1]);
         assert_eq!(breaches[1].to_string(), "mine: level 2: lobe-error 0.500 +- 0.010, 0.200 over the limit 0.3");
+        assert_eq!(chain.keeps(&[Limit::lobe_error(0.3)]).unwrap_err().level, 3);
+        let fine: LevelScore = level(4, 0.300_012);
+        let close = ChainScore { levels: vec![fine], ..chain.clone() };
+        let breach = close.keeps(&[Limit::lobe_error(0.3)]).unwrap_err().to_string();
+        assert_eq!(breach, "mine: level 4: lobe-error 0.300012 +- 0.010000, 0.000012 over the limit 0.3");
         assert!(chain.breaches(&["ndf-tv=0.3".parse().unwrap()]).is_empty());
     }
 }

@@ -96,9 +96,9 @@ pub(super) fn summary(subject: &Subject) -> Vec<SummaryRow> {
     chains.iter().enumerate().map(row).collect()
 }
 
-/// "0.62 ± 0.02": two standard errors, which get the digits they need.
+/// "0.62 ± 0.01": with one standard error, as on the command line, which gets the digits it needs.
 fn with_error(mean: f64, stderr: f64) -> String {
-    let coarse = mean.abs() >= 0.0995 && !(stderr > 0.0 && 2.0 * stderr < 0.005);
+    let coarse = mean.abs() >= 0.0995 && !(stderr > 0.0 && stderr < 0.005);
     with_decimals(mean, stderr, if coarse { 2 } else { 3 })
 }
 
@@ -106,7 +106,7 @@ fn with_decimals(mean: f64, stderr: f64, decimals: usize) -> String {
     if mean.is_nan() {
         "n/a".into()
     } else if stderr > 0.0 && stderr.is_finite() {
-        format!("{mean:.decimals$} \u{b1} {:.decimals$}", 2.0 * stderr)
+        format!("{mean:.decimals$} \u{b1} {stderr:.decimals$}")
     } else {
         format!("{mean:.decimals$}")
     }

@@ -98,7 +98,7 @@ mod tests {
         for pixels in [24, 12, 6, 3] {
             let from = finest(&levels, &scene, pixels);
             assert!(pixels > 12 || from > 0);
-            let draw = |levels: &[Lobes]| render(&scene, levels, pixels, Sampling::Mips { per_side: 3 });
+            let draw = |levels: &[Lobes]| render(&scene, levels, pixels, Sampling::mips(3));
             let furthest =
                 draw(&levels).iter().zip(&draw(&levels[from..])).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
             assert!(furthest < 1e-4, "{pixels} pixels from level {from}: {furthest}");
