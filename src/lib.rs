@@ -34,7 +34,9 @@
 //! - Tangent-space normal maps with roughness, gloss or packed maps, of any size; heights and glTF anisotropy too.
 //! - Lobes of one width, which every engine can shade today, or of two widths and a direction.
 //! - Exact footprints, published methods side by side, and the same bytes on any number of threads.
-//! - A renderer that draws plain mips, folded mips and the truth, so that eyes can judge.
+//! - A judge ([`compare`](mod@compare)) that measures how far any mip chain is from the exact footprint, in f64, and knows
+//!   nothing of folds.
+//! - A renderer that draws plain mips, folded mips and the truth, so that eyes can judge too.
 //!
 //! # Not in scope
 //!

@@ -4,7 +4,7 @@
 mod common;
 
 use mipfold::compare::{Candidate, ChainScore, LevelScore, Settings, judge};
-use mipfold::fold::{DEFAULT_FOLD, Fold, Options, chain};
+use mipfold::fold::{DEFAULT_FOLD, FOLDS, Fold, Options, chain};
 use mipfold::image::Size;
 use mipfold::material::{ChannelRef, Inputs, Material, RoughnessInput, Texels, base_lobes, load};
 use mipfold::ndf::{Form, Lobe, Lobes, RoughnessTensor};
@@ -86,7 +86,7 @@ fn chains_made_wrong_are_named_as_worse() {
     let flipped = |lobe: Lobe| Lobe { normal: lobe.normal * glam::Vec3::new(1.0, -1.0, 1.0), ..lobe };
     let widened = |lobe: Lobe, alpha: f32| Lobe { roughness: RoughnessTensor::isotropic(Alpha(alpha)), ..lobe };
     let alpha = |lobe: &Lobe| lobe.axes().alpha_x;
-    let wrong = vec![
+    let wrong = [
         ("plain average", 4, folded(&material, Fold::by_name("average").unwrap(), Form::Isotropic)),
         // The file holds alpha; whoever reads it squares it again.
         ("alpha as perceptual", 4, {
@@ -194,4 +194,48 @@ fn a_material_on_file_is_judged_with_its_own_roughness() {
         assert!(all.iter().all(|s| s.mean > 0.0 && s.mean < 1.0 && s.stderr.is_finite() && s.p95 >= s.median));
         assert!((level.energy.mean - 1.0).abs() < 0.3);
     }
+}
+
+/// The README's ranking of the folds: mean lobe error over all real normal maps and levels 1 to 6, by alpha. Minutes:
+/// `cargo test --release --test judge ranking -- --ignored --nocapture`.
+#[test]
+#[ignore = "minutes; its figures are in the README"]
+fn ranking_of_all_folds_on_all_real_normal_maps() {
+    let Some(textures) = common::textures() else { return };
+    let mut maps: Vec<_> = std::fs::read_dir(&textures)
+        .unwrap()
+        .flat_map(|entry| {
+            ["jpg", "png", "exr"].map(|ending| entry.as_ref().unwrap().path().join("normal").with_extension(ending))
+        })
+        .filter(|path| path.exists())
+        .collect();
+    maps.sort();
+    assert!(maps.len() > 12, "{maps:?}");
+    let forms = [Form::Isotropic, Form::Anisotropic];
+    let entries: Vec<_> = forms
+        .iter()
+        .flat_map(|form| FOLDS.iter().map(move |fold| (fold, *form)))
+        .filter(|(fold, form)| *form == Form::Isotropic || fold.anisotropic.is_some())
+        .collect();
+    let settings = Settings { texels: 16, directions: 40, levels: (1..=6).collect(), ..Settings::default() };
+    let alphas = [0.05, 0.1, 0.2, 0.4];
+    let mut table = vec![[0.0; 4]; entries.len()];
+    for (column, alpha) in alphas.into_iter().enumerate() {
+        for map in &maps {
+            let material = material(map, alpha);
+            let chains: Vec<_> =
+                entries.iter().map(|(fold, form)| candidate(fold.name, folded(&material, fold, *form))).collect();
+            let judgement = judge(&material, &chains, &settings, &|_| ()).unwrap();
+            for (row, chain) in table.iter_mut().zip(&judgement.chains) {
+                let mean =
+                    chain.levels.iter().map(|level| level.lobe_error.mean).sum::<f64>() / chain.levels.len() as f64;
+                row[column] += mean / maps.len() as f64;
+            }
+        }
+    }
+    println!("{} normal maps, alpha {alphas:?}", maps.len());
+    for ((fold, form), row) in entries.iter().zip(&table) {
+        println!("{:<18} {form:?} {}", fold.name, row.map(|v| format!("{v:.3}")).join(" "));
+    }
+    assert!(table[1..].iter().flatten().all(|error| error.is_finite() && *error > 0.0));
 }

@@ -23,6 +23,9 @@ pub use verdict::{Matters, SIGNIFICANT, UNSEEN, Verdict, verdict};
 use crate::compare::{Candidate, Judgement, Limit, MotionScore, Settings};
 use crate::material::Material;
 
+/// Pictures of more chains than this are smaller or fewer, so that the page stays below 5 MB.
+const MANY: usize = 4;
+
 /// Everything that a report tells of.
 pub struct Subject<'a> {
     /// The surface as it is at level 0.
@@ -47,8 +50,10 @@ pub struct Subject<'a> {
 pub struct Motion {
     /// "zoom" or "pan".
     pub name: &'static str,
-    /// The chains and the truth side by side, as an animated PNG.
+    /// Chains and the truth side by side, as an animated PNG.
     pub apng: Vec<u8>,
+    /// The chains that it shows, from the left; the truth stands last.
+    pub shown: Vec<String>,
     /// Width and height of the animation in pixels.
     pub size: (usize, usize),
     /// For each chain in order.

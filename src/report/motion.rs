@@ -1,8 +1,8 @@
 //! The chains in motion, beside the truth.
 
-use super::Motion;
+use super::{MANY, Motion};
 use crate::codec::write_apng;
-use crate::compare::{Candidate, score_motion};
+use crate::compare::{Candidate, MotionScore, score_motion};
 use crate::image::Raster;
 use crate::material::{Material, Texels, base_lobes};
 use crate::ndf::Form;
@@ -38,29 +38,52 @@ pub fn motion(material: &Material, chains: &[Candidate], done: &(dyn Fn(f64) + S
         };
         let truth = draw(&base, motion.truth());
         let moving: Vec<Vec<Image>> = chains.iter().map(|chain| draw(&chain.levels, Sampling::mips(1))).collect();
-        let shown = |frames: &[Image]| frames.iter().map(|frame| display(frame, scene.exposure)).collect::<Vec<_>>();
-        let target = shown(&truth);
+        let on_display =
+            |frames: &[Image]| frames.iter().map(|frame| display(frame, scene.exposure)).collect::<Vec<_>>();
+        let target = on_display(&truth);
         let score = |(chain, frames): (&Candidate, &Vec<Image>)| {
-            score_motion(motion.name(), &chain.name, &shown(frames), &target, PIXELS_PER_DEGREE)
+            score_motion(motion.name(), &chain.name, &on_display(frames), &target, PIXELS_PER_DEGREE)
         };
-        let scores = chains.iter().zip(&moving).map(score).collect();
+        let scores: Vec<MotionScore> = chains.iter().zip(&moving).map(score).collect();
+        let shown = to_show(&scores);
         let sheets: Vec<Raster> = (0..truth.len())
             .map(|k| {
                 let picture = |frames: &[Image]| tonemap(&frames[k], scene.exposure);
-                let pictures: Vec<(&str, Raster)> = chains
-                    .iter()
-                    .zip(&moving)
-                    .map(|(chain, frames)| (chain.name.as_str(), picture(frames)))
-                    .chain([("truth", picture(&truth))])
-                    .collect();
+                let chosen = shown.iter().map(|&i| (chains[i].name.as_str(), picture(&moving[i])));
+                let pictures: Vec<(&str, Raster)> = chosen.chain([("truth", picture(&truth))]).collect();
                 side_by_side(&pictures.iter().map(|(name, picture)| (*name, picture)).collect::<Vec<_>>(), ENLARGED)
             })
             .collect();
         let mut apng = Vec::new();
         write_apng(&mut apng, &sheets, MILLISECONDS, 0).expect("frames of one size, in memory");
         let size = sheets[0].size();
-        motions.push(Motion { name: motion.name(), apng, size: (size.width, size.height), scores });
+        let shown = shown.into_iter().map(|i| chains[i].name.clone()).collect();
+        motions.push(Motion { name: motion.name(), apng, shown, size: (size.width, size.height), scores });
         done(share(1));
     }
     motions
+}
+
+/// All chains, or of many the two that look most like the truth and the one that looks least like it, in their order.
+fn to_show(scores: &[MotionScore]) -> Vec<usize> {
+    let mut order: Vec<usize> = (0..scores.len()).collect();
+    if scores.len() > MANY {
+        order.sort_by(|&a, &b| scores[a].flip_mean.total_cmp(&scores[b].flip_mean));
+        order = vec![order[0], order[1], order[scores.len() - 1]];
+        order.sort_unstable();
+    }
+    order
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn of_many_the_best_and_the_worst_are_shown() {
+        let score =
+            |flip_mean| MotionScore { motion: "zoom", chain: String::new(), flip_mean, flip_p95: 0.0, flicker: 0.0 };
+        assert_eq!(to_show(&[0.3, 0.1, 0.2].map(score)), [0, 1, 2]);
+        assert_eq!(to_show(&[0.3, 0.5, 0.2, 0.4, 0.1].map(score)), [1, 2, 4]);
+    }
 }

@@ -170,7 +170,7 @@ pub(super) fn page_with(subject: &Subject, look: Look, done: &(dyn Fn(f64) + Syn
         },
         roughness: roughness(&names, &spreads),
         disks,
-        motions: motions(subject, &names),
+        motions: motions(subject),
         maps: maps(subject),
         conventions: conventions(subject),
         notes: &material.notes,
@@ -213,13 +213,13 @@ fn roughness(names: &[&str], spreads: &[Vec<Spread>]) -> Roughness {
     Roughness { names: names.iter().map(|name| (*name).to_owned()).collect(), rows: rows.collect() }
 }
 
-fn motions(subject: &Subject, names: &[&str]) -> Vec<MotionView> {
+fn motions(subject: &Subject) -> Vec<MotionView> {
     let view = |motion: &super::Motion| MotionView {
         name: motion.name,
         src: data("image/apng", &motion.apng),
         width: motion.size.0,
         height: motion.size.1,
-        alt: names.iter().copied().chain(["truth"]).collect::<Vec<_>>().join(", "),
+        alt: motion.shown.iter().map(String::as_str).chain(["truth"]).collect::<Vec<_>>().join(", "),
         rows: motion
             .scores
             .iter()

@@ -71,7 +71,8 @@ fn page_is_sound_and_says_what_was_found() {
         flicker: 0.83,
     };
     let scores = ["plain", "mine", "theirs"].map(score).to_vec();
-    stage.motion = vec![Motion { name: "zoom", apng: apng.repeat(3), size: (200, 60), scores }];
+    stage.motion =
+        vec![Motion { name: "zoom", apng: apng.repeat(3), shown: vec!["one".into()], size: (200, 60), scores }];
     let html = stage.page();
     is_sound(&html);
     for text in [
