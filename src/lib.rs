@@ -52,6 +52,7 @@
 //! |---|---|
 //! | [`error`] | what can go wrong, with the file, what was found there and what was expected |
 //! | [`roughness`] | the units of width, as types, and the only conversions |
+//! | [`random`] | seeded random numbers, and evenly spread ones |
 //! | [`image`] | rasters, sizes of levels, wrap modes, footprints and their weights |
 //! | [`codec`] | bytes to images and back; knows formats, not meaning |
 //! | [`ndf`] | what a normal distribution is: the GGX lobe, its tensor, images of lobes |
@@ -94,6 +95,7 @@ pub mod material;
 pub mod moments;
 pub mod ndf;
 pub mod output;
+pub mod random;
 pub mod reference;
 pub mod render;
 pub mod report;

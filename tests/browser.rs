@@ -52,7 +52,7 @@ fn report() -> String {
         Candidate { name: format!("by {}", fold.name), fold: Some(fold.name.into()), levels }
     });
     let reading = Reading { most_texels: Some(64), ..Reading::default() };
-    let settings = Settings { texels: 4, directions: 16, reading, ..Settings::default() };
+    let settings = Settings { texels: Some(4), directions: 16, reading, ..Settings::default() };
     let judgement = judge(&material, &chains, &settings, &|_| {}).unwrap();
     let subject = Subject {
         material: &material,

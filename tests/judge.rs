@@ -104,7 +104,7 @@ fn chains_made_wrong_are_named_as_worse() {
         }),
         ("half a texel away", 2, folded(&Moved(&material, 2), DEFAULT_FOLD, Form::Isotropic)),
     ];
-    let settings = Settings { texels: 96, directions: 60, levels: vec![2, 4], ..Settings::default() };
+    let settings = Settings { texels: Some(96), directions: 60, levels: vec![2, 4], ..Settings::default() };
     let mut chains = vec![candidate("right", right.clone())];
     chains.extend(wrong.iter().map(|(name, _, levels)| candidate(name, levels.clone())));
     let judgement = judge(&material, &chains, &settings, &|_| ()).unwrap();
@@ -128,7 +128,7 @@ fn moments_in_8_bit_are_named_as_worse() {
     let material = material(&textures.join("metal027/normal.jpg"), 0.03);
     let right = folded(&material, Fold::by_name("clean").unwrap(), Form::Isotropic);
     let wrong = from_8_bit_moments(&material, &right);
-    let settings = Settings { texels: 32, directions: 40, levels: vec![3], ..Settings::default() };
+    let settings = Settings { texels: Some(32), directions: 40, levels: vec![3], ..Settings::default() };
     let chains = [candidate("right", right), candidate("wrong", wrong)];
     let judgement = judge(&material, &chains, &settings, &|_| ()).unwrap();
     assert_worse("8-bit moments", &judgement.chains[0], &judgement.chains[1], 3);
@@ -139,7 +139,7 @@ fn table(textures: &std::path::Path) -> Vec<(f32, Vec<(&'static str, f64)>)> {
     let maps = ["rock058/normal.jpg", "tiles107/normal.jpg", "bark014/normal.jpg", "chainmail004/normal.jpg"];
     let folds: Vec<_> =
         ["average", "toksvig", "lean", "projected", "sggx"].map(|name| Fold::by_name(name).unwrap()).to_vec();
-    let settings = Settings { texels: 20, directions: 40, levels: vec![2, 5], ..Settings::default() };
+    let settings = Settings { texels: Some(20), directions: 40, levels: vec![2, 5], ..Settings::default() };
     [0.05, 0.1, 0.2, 0.4]
         .map(|alpha| {
             let mut sums = vec![0.0; folds.len()];
@@ -183,7 +183,7 @@ fn a_material_on_file_is_judged_with_its_own_roughness() {
         ..Inputs::default()
     })
     .unwrap();
-    let settings = Settings { texels: 16, directions: 40, ..Settings::default() };
+    let settings = Settings { texels: Some(16), directions: 40, ..Settings::default() };
     let chains = [candidate("folded", folded(&material, DEFAULT_FOLD, Form::Isotropic))];
     let judgement = judge(&material, &chains, &settings, &|_| ()).unwrap();
     let levels = &judgement.chains[0].levels;
@@ -217,7 +217,7 @@ fn ranking_of_all_folds_on_all_real_normal_maps() {
         .flat_map(|form| FOLDS.iter().map(move |fold| (fold, *form)))
         .filter(|(fold, form)| *form == Form::Isotropic || fold.anisotropic.is_some())
         .collect();
-    let settings = Settings { texels: 16, directions: 40, levels: (1..=6).collect(), ..Settings::default() };
+    let settings = Settings { texels: Some(16), directions: 40, levels: (1..=6).collect(), ..Settings::default() };
     let alphas = [0.05, 0.1, 0.2, 0.4];
     let mut table = vec![[0.0; 4]; entries.len()];
     for (column, alpha) in alphas.into_iter().enumerate() {

@@ -5,9 +5,10 @@ use std::path::{Path, PathBuf};
 /// From top to bottom.
 ///
 /// The judge, `reference` and `compare`, stands above `fold`: it cannot know what it judges.
-const ROOMS: [&str; 15] = [
+const ROOMS: [&str; 16] = [
     "error",
     "roughness",
+    "random",
     "image",
     "codec",
     "ndf",

@@ -165,9 +165,9 @@ impl LookArgs {
             InterpolationArg::Bilinear => Interpolation::Bilinear { per_side: PER_SIDE, wrap: reading.wrap.into() },
         };
         Ok(Settings {
-            texels: self.texels,
+            texels: (self.texels < usize::MAX).then_some(self.texels),
             directions: self.directions as usize,
-            reading: Reading { interpolation, most_texels: self.subset.map(|n| n as usize), seed: self.seed },
+            reading: Reading { interpolation, most_texels: self.subset.map(|n| n as usize) },
             levels: self.levels.as_ref().map(|levels| levels.of(size)).transpose()?.unwrap_or_default(),
             seed: self.seed,
         })

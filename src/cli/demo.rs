@@ -25,7 +25,7 @@ const CELL: usize = 160;
 /// How closely the sample is judged: a look of seconds, not a measurement. `mipfold compare` takes its time.
 fn quick() -> Settings {
     let reading = Reading { most_texels: Some(1024), ..Reading::default() };
-    Settings { texels: 12, directions: 32, reading, ..Settings::default() }
+    Settings { texels: Some(12), directions: 32, reading, ..Settings::default() }
 }
 
 pub fn run(args: &DemoArgs, global: &Global, report: &mut Report) -> Result<()> {

@@ -1,17 +1,17 @@
 //! The judge.
 
-use std::f64::consts::SQRT_2;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use rayon::prelude::*;
 
-use super::measure::{Counts, Figures, Questions, diffuse_lights};
+use super::measure::{Counts, Figures, Questions, VIEWS, diffuse_lights};
 use super::score::{ChainScore, Energy, Judgement, LevelScore, Place, Summary, WorstTexel};
 use crate::error::{Error, Result};
 use crate::image::Size;
 use crate::material::Texels;
-use crate::ndf::Lobes;
-use crate::reference::{Footprint, Means, Random, Reading};
+use crate::ndf::{Lobe, Lobes};
+use crate::random::Random;
+use crate::reference::{Footprint, Means, Reading};
 
 /// A mip chain to be judged.
 #[derive(Clone, Debug)]
@@ -35,8 +35,9 @@ impl Candidate {
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Settings {
     /// Texels judged in each level, at most; a seeded stratified choice where the level has more. Where footprints are
-    /// so large that a level would cost more than [`LOBES_A_LEVEL`] lobes, fewer are, but never less than two.
-    pub texels: usize,
+    /// so large that a level would cost more than [`LOBES_A_LEVEL`] lobes, fewer are, but never less than two. All of
+    /// them, at any cost, if `None`.
+    pub texels: Option<usize>,
     /// Half vectors drawn from each footprint, over all views; each chain's lobe adds half as many.
     pub directions: usize,
     /// How footprints are read.
@@ -49,13 +50,18 @@ pub struct Settings {
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { texels: 64, directions: 80, reading: Reading::default(), levels: Vec::new(), seed: 1 }
+        Self { texels: Some(64), directions: 80, reading: Reading::default(), levels: Vec::new(), seed: 1 }
     }
 }
 
 /// Lobes that are read for one level, at most, unless two texels need more. A 2048x2048 material has 4 million: its
 /// coarsest levels are judged by two texels or by their only one.
 pub const LOBES_A_LEVEL: usize = 1 << 21;
+
+/// What random numbers of a texel are for; a footprint's own choice is 1.
+const FROM_TRUTH: u64 = 2;
+const FROM_CHAIN: u64 = 3;
+const PLACES: u64 = 4;
 
 /// Texels that are listed as the worst of a level.
 const WORST: usize = 8;
@@ -73,7 +79,8 @@ pub fn judge_one(base: &dyn Texels, chain: Candidate, settings: &Settings) -> Re
 /// Figures depend on the base, the chain and the settings alone: not on other chains, nor on the number of threads.
 ///
 /// # Errors
-/// A chain without levels, or one whose level 0 or other levels do not have the sizes of the base's.
+/// A chain without levels, or one whose level 0 or other levels do not have the sizes of the base's; a lobe that is none:
+/// not finite, without width, or not facing out of the surface.
 pub fn judge(
     base: &dyn Texels,
     chains: &[Candidate],
@@ -127,23 +134,38 @@ fn check(size: Size, chains: &[Candidate]) -> Result<()> {
                 let expected = format!("{expected}, for the base is {size}");
                 return Err(Error::invalid_option(&chain.name, format!("level {k} of {found}"), expected));
             }
+            let wrong = |&(x, y): &(usize, usize)| !is_lobe(&level.at(x, y));
+            let places = (0..found.texels()).into_par_iter().map(|i| (i % found.width, i / found.width));
+            if let Some((x, y)) = places.find_first(wrong) {
+                let found = format!("{:?} in level {k}, column {x}, row {y}", level.at(x, y));
+                return Err(Error::invalid_option(&chain.name, found, "a normal that faces out, and finite widths"));
+            }
         }
     }
     Ok(())
 }
 
+/// A normal with a direction out of the surface, of any length, and a tensor with squared widths from 0 up.
+fn is_lobe(Lobe { normal, roughness: r }: &Lobe) -> bool {
+    let finite = normal.is_finite() && r.xx.is_finite() && r.xy.is_finite() && r.yy.is_finite();
+    finite && normal.z > 0.0 && r.xx >= 0.0 && r.yy >= 0.0
+}
+
 /// The texels to judge: all of a level, or one anywhere in each cell of a grid.
 fn places(base: Size, level: usize, settings: &Settings) -> Vec<Place> {
     let size = base.level(level);
-    let footprint = base.texels().div_ceil(size.texels()).min(settings.reading.most_texels.unwrap_or(usize::MAX));
-    let most = settings.texels.min(LOBES_A_LEVEL / footprint.max(1)).max(2.min(settings.texels)).max(1);
+    let footprint = settings.reading.lobes(base.texels().div_ceil(size.texels()));
+    let most = match settings.texels {
+        None => size.texels(),
+        Some(most) => most.min((LOBES_A_LEVEL / footprint).max(2)).max(1),
+    };
     if most >= size.texels() {
         return (0..size.texels()).map(|i| Place { x: i % size.width, y: i / size.width }).collect();
     }
     let shape = (most as f64 * size.width as f64 / size.height as f64).sqrt().round() as usize;
     let columns = shape.clamp(most.div_ceil(size.height), size.width.min(most)).max(1);
     let rows = (most / columns).clamp(1, size.height);
-    let mut random = Random::new(settings.seed, level as u64);
+    let mut random = Random::for_texel(settings.seed, PLACES, level, (0, 0));
     let mut place = |i: usize, n: usize, side: usize| {
         (((i as f64 + random.uniform()) * side as f64 / n as f64) as usize).min(side - 1)
     };
@@ -165,16 +187,17 @@ struct Bench<'a> {
 
 impl Bench<'_> {
     fn truth(&self, place: Place) -> Footprint<'_> {
-        Footprint::of_texel(self.base, self.settings.reading, self.level, place.x, place.y)
+        Footprint::of_texel(self.base, self.settings.reading, self.settings.seed, self.level, (place.x, place.y))
     }
 
     /// Lobes times half vectors, and a little for what does not depend on the footprint.
     fn work(&self) -> usize {
-        self.places.iter().map(|place| self.texel_work(*place)).sum()
+        self.places.len() * self.texel_work()
     }
 
-    fn texel_work(&self, place: Place) -> usize {
-        (self.truth(place).lobes() + 64) * self.counts.queries(self.chains.len())
+    fn texel_work(&self) -> usize {
+        let texels = self.base.size().texels().div_ceil(self.base.size().level(self.level).texels());
+        (self.settings.reading.lobes(texels) + 64) * self.counts.queries(self.chains.len())
     }
 
     /// One score a chain.
@@ -185,7 +208,7 @@ impl Bench<'_> {
             .with_max_len(1)
             .map(|place| {
                 let figures = self.judge_texel(*place);
-                advance(self.texel_work(*place));
+                advance(self.texel_work());
                 figures
             })
             .collect();
@@ -198,8 +221,8 @@ impl Bench<'_> {
         let truth = self.truth(place);
         let lobe = |chain: &&Candidate| chain.levels[self.level].at(place.x, place.y);
         let own: Vec<_> = self.chains.iter().map(|chain| Footprint::of_lobes(&[(lobe(chain), 1.0)])).collect();
-        let stream = ((self.level as u64 + 1) << 48) ^ ((place.y as u64) << 24) ^ place.x as u64;
-        let random = [stream, !stream].map(|stream| Random::new(self.settings.seed, stream));
+        let stream = |purpose| Random::for_texel(self.settings.seed, purpose, self.level, (place.x, place.y));
+        let random = [stream(FROM_TRUTH), stream(FROM_CHAIN)];
         let questions = Questions::new(&truth, &own, self.counts, random);
         let lights = diffuse_lights();
         let groups = truth.means(&questions.queries, &lights);
@@ -208,7 +231,8 @@ impl Bench<'_> {
         // Two ways to halve the groups of a subset.
         let half = |side: fn(usize) -> bool| {
             let kept: Vec<&Means> = all.iter().enumerate().filter(|(i, _)| side(*i)).map(|(_, means)| *means).collect();
-            Means::merged(&kept)
+            // The half vectors were drawn from the whole.
+            Means { pdf: answers.pdf.clone(), ..Means::merged(&kept) }
         };
         let halves: Vec<Means> = if groups.len() < 4 {
             Vec::new()
@@ -229,8 +253,9 @@ impl Bench<'_> {
         let size = self.base.size().level(self.level);
         let share = figures.len() as f64 / size.texels() as f64;
         let column = |i: usize| figures.iter().map(|f| *f.clone().estimates()[i]).collect::<Vec<_>>();
-        let summary = |i: usize| Summary::of(&column(i), share);
-        let mean = |f: &dyn Fn(&Figures) -> f64| figures.iter().map(f).sum::<f64>() / figures.len() as f64;
+        let bias = |i: usize| figures.iter().map(|f| f.biases[i]).sum::<f64>() / figures.len() as f64;
+        let summary = |i: usize| Summary::of(&column(i), share, bias(i));
+        let reflected = |view: usize, side: usize| figures.iter().map(|f| f.view_energy[view][side]).sum::<f64>();
         let mut order: Vec<usize> = (0..figures.len()).collect();
         order.sort_by(|&a, &b| figures[b].lobe.0.total_cmp(&figures[a].lobe.0));
         let worst = |&i: &usize| {
@@ -252,7 +277,7 @@ impl Bench<'_> {
                 mean: energy.mean,
                 stderr: energy.stderr,
                 compensated: summary(6).mean,
-                views: (0..5).map(|view| mean(&|f| f.view_energy[view])).collect(),
+                views: (0..VIEWS.len()).map(|view| reflected(view, 0) / reflected(view, 1)).collect(),
             },
             diffuse_error: summary(7),
             worst: order.iter().take(WORST).map(worst).collect(),
@@ -261,20 +286,25 @@ impl Bench<'_> {
     }
 }
 
-/// What the choice of a footprint's texels does to the figures, judged by `halves` of it. The distance to a noisy mean
-/// is too large by a bias that falls as one over the root of the number of texels, so that a half has sqrt(2) times as
-/// much: it is taken off, and counts as error together with the spread, of which halves have sqrt(2) times as much too.
+/// What the choice of a footprint's texels does to the figures, judged by `halves` of it: two ways to cut it in two. A
+/// distance to a noisy mean is too large by a bias that falls as one over the number of texels, so that a half has twice
+/// as much. It is taken off, and kept in `bias`; the spread is added to the variance.
 fn allow_for_choice(figures: &mut Figures, mut halves: Vec<Figures>) {
     if halves.is_empty() {
         return;
     }
     let n = halves.len() as f64;
+    let mut biases = [0.0; 8];
     for (i, (whole, variance)) in figures.estimates().into_iter().enumerate() {
         let values: Vec<f64> = halves.iter_mut().map(|figures| figures.estimates()[i].0).collect();
         let mean = values.iter().sum::<f64>() / n;
-        let spread = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (n - 1.0);
-        let bias = (mean - *whole) / (SQRT_2 - 1.0);
-        *whole = (*whole - bias).max(0.0);
-        *variance += 0.5 * spread + bias * bias;
+        biases[i] = mean - *whole;
+        let corrected = *whole - biases[i];
+        // Not `max`, which would make a perfect 0 of what is not a number.
+        *whole = if corrected < 0.0 { 0.0 } else { corrected };
+        // Halves have variance 2 s^2, and two that make up the whole lie as far on either side of it: the squares about
+        // the mean of two such pairs sum to 4 s^2.
+        *variance += values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / 4.0;
     }
+    figures.biases = biases;
 }

@@ -10,7 +10,8 @@ use std::ops::Range;
 
 use glam::{DQuat, DVec3};
 
-use crate::reference::{Diffuse, Footprint, Means, Queries, Random, Spread};
+use crate::random::{Random, Spread};
+use crate::reference::{Diffuse, Footprint, Means, Queries};
 
 /// From which the lobe error is seen: degrees from the normal and around it. Two for each slant, so that what leans
 /// along u and along v counts alike.
@@ -19,11 +20,12 @@ pub const VIEWS: [(f64, f64); 5] = [(0.0, 0.0), (30.0, 0.0), (30.0, 90.0), (60.0
 /// Radius of the round light, degrees.
 pub const LIGHT_RADIUS: f64 = 5.0;
 
-/// Places on the round light at which it is evaluated.
+/// Places on the round light at which it is evaluated. They resolve lobes of alpha 0.03 and wider; narrower ones seem
+/// further from the truth than they are.
 const LIGHT_PLACES: usize = 12;
 
 /// Lights of the diffuse term, spread evenly over the hemisphere.
-const DIFFUSE_LIGHTS: usize = 64;
+const DIFFUSE_LIGHTS: usize = 256;
 
 /// Directions drawn for each view.
 #[derive(Clone, Copy, Debug)]
@@ -132,72 +134,69 @@ impl Questions {
         (0..lights).chain(first..first + lights).map(range)
     }
 
-    /// What the answers `truth` and `own` say of chain `chain`.
+    /// What the answers `truth` and `own` say of chain `chain`. Distances are taken over half of what both sides hold
+    /// together, so that they end at 1 or 2 even where one side reflects next to nothing.
     pub fn figures(&self, truth: &Means, own: &Means, chain: usize) -> Figures {
-        let mut figures = Figures::default();
-        let shares = {
-            let (shared, own) = (self.counts.shared as f64, self.counts.own as f64);
-            (shared / (shared + own), own / (shared + own))
-        };
-        let density = |j: usize| shares.0 * truth.pdf[j] + shares.1 * own.pdf[j];
+        let Counts { shared, own: drawn, .. } = self.counts;
+        let share = shared as f64 / (shared + drawn) as f64;
+        let density = |j: usize| share * truth.pdf[j] + (1.0 - share) * own.pdf[j];
         // Lights come from as many of the truth's as of the chain's.
         let light_density = |j: usize| 0.5 * (truth.pdf[j] + own.pdf[j]);
-        let (mut tv, mut hellinger, mut kl) = (Mean::default(), Mean::default(), Mean::default());
-        let [mut lobe, mut light, mut energy, mut compensated] = [Mean::default(); 4];
-        // Relative variance of the light that the truth reflects, of a mean over the views.
-        let mut noise = 0.0;
+        // What no lobe can draw says nothing.
+        let over = |v: f64, density: f64| if density > 0.0 { v / density } else { 0.0 };
+        let [mut tv, mut hellinger, mut kl] = [const { Vec::new() }; 3];
+        let [mut lobe, mut energy, mut compensated, mut light] = [const { Vec::new() }; 4];
+        let mut view_energy = [[0.0; 2]; VIEWS.len()];
         for (i, view) in views().into_iter().enumerate() {
-            let [mut seen, mut reflected, mut reflected_all] = [const { Vec::new() }; 3];
+            let [mut seen, mut reflected, mut reflected_all, mut lit] = [const { Vec::new() }; 4];
             for j in self.halves(i, chain) {
-                let m = self.queries.half(j);
-                let density = density(j);
-                let (p, q) = (truth.d[j], own.d[j]);
-                let projected = m.z.max(0.0) / density;
-                tv.add(0.5 * (p - q).abs() * projected);
-                hellinger.add(0.5 * (p.sqrt() - q.sqrt()).powi(2) * projected);
+                let (m, density) = (self.queries.half(j), density(j));
+                let projected = over(m.z.max(0.0), density);
+                let (p, q) = (truth.d[j].max(0.0), own.d[j].max(0.0));
+                let both = 0.5 * (p + q) * projected;
+                tv.push([0.5 * (p - q).abs() * projected, both]);
+                hellinger.push([0.5 * (p.sqrt() - q.sqrt()).powi(2) * projected, both]);
                 // Below its own horizon a lobe has no facets at all; of that sliver no finite divergence can be told.
-                let both = p > 0.0 && q > 0.0;
-                kl.add(if both { (p * (p / q).ln() - p + q) * projected } else { 0.0 });
+                let shared = p > 0.0 && q > 0.0;
+                kl.push([if shared { (p * (p / q).ln() - p + q) * projected } else { 0.0 }, p * projected]);
                 // dl = 4 (v.h) dh.
-                let spread = 4.0 * view.dot(m).max(0.0) / density;
+                let spread = over(4.0 * view.dot(m).max(0.0), density);
                 let (f_ref, f) = (truth.specular[j] * spread, own.specular[j] * spread);
-                seen.push([(f - f_ref).abs(), f_ref]);
+                seen.push([(f - f_ref).abs(), 0.5 * (f + f_ref)]);
                 reflected.push([f, f_ref]);
                 reflected_all.push([own.compensated[j] * spread, truth.compensated[j] * spread]);
             }
-            let total = Mean::of(seen.iter().map(|draw| draw[1])).of_draws();
-            noise += total.1 / (total.0 * total.0).max(f64::MIN_POSITIVE) / (VIEWS.len() * VIEWS.len()) as f64;
+            let count = reflected.len() as f64;
+            view_energy[i] = [0, 1].map(|k| reflected.iter().map(|draw| draw[k]).sum::<f64>() / count);
             for places in self.lights(i, chain) {
                 let mean = |f: &dyn Fn(usize) -> f64| places.clone().map(f).sum::<f64>();
                 // Density of lights, at which their middles are spread too.
                 let density = mean(&|j| light_density(j) / (4.0 * view.dot(self.queries.half(j))));
-                let distance = mean(&|j| own.specular[j] - truth.specular[j]).abs();
-                // A light of any size gives the same sum over all its middles.
-                let lit = density > 0.0 && total.0 > 0.0;
-                light.add(if lit { distance / (density * total.0) } else { 0.0 });
+                lit.push([over(mean(&|j| own.specular[j] - truth.specular[j]).abs(), density), 0.0]);
             }
-            // A view that truth and chain show nothing to: no error, all energy.
-            lobe.add_estimate(ratio(&seen, 0.0));
-            let view_energy = ratio(&reflected, 1.0);
-            figures.view_energy[i] = view_energy.0;
-            energy.add_estimate(view_energy);
-            compensated.add_estimate(ratio(&reflected_all, 1.0));
+            lobe.push(seen);
+            energy.push(reflected);
+            compensated.push(reflected_all);
+            light.push(lit);
         }
-        let hellinger2 = hellinger.of_draws();
-        figures.tv = tv.of_draws();
-        // The variance of a root: that of the square over four times the square.
-        figures.hellinger = (hellinger2.0.sqrt(), hellinger2.1 / (4.0 * hellinger2.0).max(f64::MIN_POSITIVE));
-        figures.kl = kl.of_draws();
-        figures.lobe = lobe.of_views();
-        let (value, variance) = light.of_draws();
-        figures.light = (value, variance + value * value * noise);
-        figures.energy = energy.of_views();
-        figures.compensated = compensated.of_views();
+        let hellinger2 = ratio(&[hellinger], 0.0);
         let sum = |f: &dyn Fn(f64, f64) -> f64| {
             truth.diffuse.iter().zip(&own.diffuse).map(|(truth, own)| f(*truth, *own)).sum::<f64>()
         };
-        figures.diffuse = (sum(&|truth, own| (own - truth).abs()) / sum(&|truth, _| truth), 0.0);
-        figures
+        Figures {
+            light: over_total(&light, &lobe),
+            lobe: ratio(&lobe, 0.0),
+            tv: ratio(&[tv], 0.0),
+            // The variance of a root: that of the square over four times the square.
+            hellinger: (hellinger2.0.sqrt(), over(hellinger2.1, 4.0 * hellinger2.0)),
+            kl: ratio(&[kl], 0.0),
+            // Of what neither shows, all is kept.
+            energy: ratio(&energy, 1.0),
+            compensated: ratio(&compensated, 1.0),
+            diffuse: (sum(&|truth, own| (own - truth).abs()) / sum(&|truth, _| truth), 0.0),
+            view_energy,
+            biases: [0.0; 8],
+        }
     }
 }
 
@@ -222,7 +221,10 @@ pub(super) struct Figures {
     pub energy: Estimate,
     pub compensated: Estimate,
     pub diffuse: Estimate,
-    pub view_energy: [f64; 5],
+    /// Light that the chain and the truth reflect to each view.
+    pub view_energy: [[f64; 2]; VIEWS.len()],
+    /// What was taken off each estimate for the choice of a footprint's texels.
+    pub biases: [f64; 8],
 }
 
 impl Figures {
@@ -233,57 +235,47 @@ impl Figures {
     }
 }
 
-/// A sum of draws, or of estimates.
-#[derive(Clone, Copy, Default)]
-struct Mean {
-    count: f64,
-    sum: f64,
-    squares: f64,
-    variance: f64,
+/// Draws of two quantities.
+type Draws = Vec<[f64; 2]>;
+
+/// Mean of one quantity over strata.
+fn total(strata: &[Draws], k: usize) -> f64 {
+    let mean = |draws: &Draws| draws.iter().map(|draw| draw[k]).sum::<f64>() / draws.len() as f64;
+    strata.iter().map(mean).sum::<f64>() / strata.len() as f64
 }
 
-impl Mean {
-    fn of(draws: impl Iterator<Item = f64>) -> Self {
-        let mut mean = Self::default();
-        draws.for_each(|v| mean.add(v));
-        mean
-    }
-
-    fn add(&mut self, v: f64) {
-        self.count += 1.0;
-        self.sum += v;
-        self.squares += v * v;
-    }
-
-    fn add_estimate(&mut self, (value, variance): Estimate) {
-        self.count += 1.0;
-        self.sum += value;
-        self.variance += variance;
-    }
-
-    /// Variance from the spread of the draws, as if they were independent; they are spread more evenly, so it is less.
-    fn of_draws(self) -> Estimate {
-        let mean = self.sum / self.count;
-        (mean, ((self.squares / self.count - mean * mean).max(0.0) / (self.count - 1.0).max(1.0)))
-    }
-
-    fn of_views(self) -> Estimate {
-        (self.sum / self.count, self.variance / (self.count * self.count))
-    }
+/// Variance of the mean over strata of `first - value * second`, from the spread inside each, as if draws were
+/// independent; they are spread more evenly, so it is less.
+fn variance(strata: &[Draws], value: f64) -> f64 {
+    let of_mean = |draws: &Draws| {
+        let n = draws.len() as f64;
+        let residual = |draw: &[f64; 2]| draw[0] - value * draw[1];
+        let mean = draws.iter().map(residual).sum::<f64>() / n;
+        draws.iter().map(|draw| (residual(draw) - mean).powi(2)).sum::<f64>() / (n * (n - 1.0).max(1.0))
+    };
+    strata.iter().map(of_mean).sum::<f64>() / (strata.len() * strata.len()) as f64
 }
 
-/// Ratio of two sums over the same draws, with the variance to first order. `of_nothing` where both are 0; where the
-/// truth reflects nothing and the chain does, 2: disjoint.
-fn ratio(draws: &[[f64; 2]], of_nothing: f64) -> Estimate {
-    let n = draws.len() as f64;
-    let sum = |i: usize| draws.iter().map(|draw| draw[i]).sum::<f64>();
-    let (above, below) = (sum(0), sum(1));
-    if below <= 0.0 {
-        return (if above > 0.0 { 2.0 } else { of_nothing }, 0.0);
+/// The mean of the first quantity over that of the second, with the variance to first order; `of_nothing` where the
+/// second is 0 and the first too.
+fn ratio(strata: &[Draws], of_nothing: f64) -> Estimate {
+    let (above, below) = (total(strata, 0), total(strata, 1));
+    if above == 0.0 && below == 0.0 {
+        return (of_nothing, 0.0);
     }
     let value = above / below;
-    let residuals: f64 = draws.iter().map(|[a, b]| (a - value * b).powi(2)).sum();
-    (value, residuals / (below * below) * n / (n - 1.0).max(1.0))
+    (value, variance(strata, value) / (below * below))
+}
+
+/// The same, where the second quantity comes from other draws.
+fn over_total(strata: &[Draws], others: &[Draws]) -> Estimate {
+    let (above, below) = (total(strata, 0), total(others, 1));
+    if above == 0.0 || below == 0.0 {
+        return (0.0, 0.0);
+    }
+    let value = above / below;
+    let swapped: Vec<Draws> = others.iter().map(|draws| draws.iter().map(|draw| [draw[1], 0.0]).collect()).collect();
+    (value, (variance(strata, 0.0) + value * value * variance(&swapped, 0.0)) / (below * below))
 }
 
 #[cfg(test)]
@@ -291,12 +283,18 @@ mod tests {
     use super::*;
 
     #[test]
-    fn ratio_worked_by_hand() {
-        // 3 / 6; residuals 1 - 1, 2 - 2 and 0 - 0.
-        assert_eq!(ratio(&[[1.0, 2.0], [2.0, 4.0], [0.0, 0.0]], 0.0), (0.5, 0.0));
-        // 4 / 4 with residuals 2 and -2: 8 / 16 * 2 / 1.
-        assert_eq!(ratio(&[[3.0, 1.0], [1.0, 3.0]], 0.0), (1.0, 1.0));
-        assert_eq!((ratio(&[[0.0, 0.0]], 0.5), ratio(&[[1.0, 0.0]], 0.5)), ((0.5, 0.0), (2.0, 0.0)));
+    fn ratios_worked_by_hand() {
+        // Means 1 and 2 without residuals.
+        assert_eq!(ratio(&[vec![[1.0, 2.0], [2.0, 4.0], [0.0, 0.0]]], 0.0), (0.5, 0.0));
+        // Means 2 and 2; residuals 2 and -2, so 8 / (2 * 1), over the square of 2.
+        assert_eq!(ratio(&[vec![[3.0, 1.0], [1.0, 3.0]]], 0.0), (1.0, 1.0));
+        // Two such strata: half the variance, for each has its own mean.
+        let two = [vec![[3.0, 1.0], [1.0, 3.0]], vec![[5.0, 3.0], [3.0, 5.0]]];
+        assert_eq!(ratio(&two, 0.0), (1.0, 0.5 * 4.0 / 9.0));
+        assert_eq!(ratio(&[vec![[0.0, 0.0]]], 0.5), (0.5, 0.0));
+        // 2 over 4, the second without spread: variance 2 / (2 * 1) of the first, over 16.
+        let others = [vec![[9.0, 4.0], [7.0, 4.0]]];
+        assert_eq!(over_total(&[vec![[1.0, 0.0], [3.0, 0.0]]], &others), (0.5, 1.0 / 16.0));
     }
 
     #[test]
@@ -314,11 +312,11 @@ mod tests {
     #[test]
     fn diffuse_lights_are_spread_evenly() {
         let light = Diffuse::new(&[DVec3::Z]);
-        assert_eq!((diffuse_lights().len(), light.len()), (64, 1));
+        assert_eq!((diffuse_lights().len(), light.len()), (256, 1));
         // The mean of n.l over the hemisphere is 1/2, for the flat lobe through the whole machinery.
         let lobe = crate::ndf::Lobe::isotropic(glam::Vec3::Z, crate::roughness::Alpha(0.3));
         let means = Footprint::of_lobes(&[(lobe, 1.0)]).means(&Queries::default(), &diffuse_lights());
-        let mean = means[0].diffuse.iter().sum::<f64>() / 64.0;
+        let mean = means[0].diffuse.iter().sum::<f64>() / 256.0;
         assert!((mean - 0.5).abs() < 1e-12, "{mean}");
     }
 }

@@ -12,21 +12,23 @@ pub struct Summary {
     pub mean: f64,
     /// Half of the texels lie below.
     pub median: f64,
-    /// 95 of 100 texels lie below.
+    /// 95 of 100 texels lie below. Like the median, of figures with the noise of each texel's own draws.
     pub p95: f64,
     /// Standard error of the mean: from the choice of texels, and from the choice of directions.
     pub stderr: f64,
 }
 
 impl Summary {
-    /// Of one value and the variance of its estimate for each judged texel, `share` of all texels of the level.
-    pub(super) fn of(values: &[(f64, f64)], share: f64) -> Self {
+    /// Of one value and the variance of its estimate for each judged texel, `share` of all texels of the level; and the
+    /// mean bias that was taken off, of which as much may be left.
+    pub(super) fn of(values: &[(f64, f64)], share: f64, bias: f64) -> Self {
         let n = values.len() as f64;
         let mean = values.iter().map(|v| v.0).sum::<f64>() / n;
         let noise = values.iter().map(|v| v.1).sum::<f64>() / n;
         let spread = values.iter().map(|v| (v.0 - mean).powi(2)).sum::<f64>() / (n - 1.0).max(1.0);
         // The spread between texels counts as far as texels were left out; it holds the noise of each already.
-        let variance = ((1.0 - share) * (spread - noise).max(0.0) + noise) / n;
+        let between = if spread < noise { 0.0 } else { spread - noise };
+        let variance = ((1.0 - share) * between + noise) / n + bias * bias;
         let mut sorted: Vec<f64> = values.iter().map(|v| v.0).collect();
         sorted.sort_by(f64::total_cmp);
         Self { mean, median: quantile(&sorted, 0.5), p95: quantile(&sorted, 0.95), stderr: variance.sqrt() }
@@ -85,11 +87,14 @@ pub struct LevelScore {
     pub height: usize,
     /// Texels that were judged.
     pub samples: usize,
-    /// The headline: `integral |f - f_ref| / integral f_ref` over lights, averaged over five views; 0 same, 2 disjoint.
+    /// The headline: `integral |f - f_ref| / integral (f + f_ref) / 2`, over lights above the surface and five views
+    /// together; 0 same, 2 disjoint.
     pub lobe_error: Summary,
-    /// The same under a round light of 5 degrees radius.
+    /// The same under a round light of 5 degrees radius. Lobes of alpha below 0.03 seem further from the truth than
+    /// they are.
     pub lobe_error_light: Summary,
-    /// Total variation between the NDFs, 0 same, 1 disjoint.
+    /// Total variation between the NDFs above the surface, `integral |D - D_ref| / integral (D + D_ref)`; 0 same, 1
+    /// disjoint.
     pub ndf_tv: Summary,
     /// Hellinger distance between the NDFs, 0 to 1.
     pub ndf_hellinger: Summary,
@@ -97,7 +102,7 @@ pub struct LevelScore {
     pub ndf_kl: Summary,
     /// Energy ratios.
     pub energy: Energy,
-    /// `integral |d - d_ref| / integral d_ref` over lights, d the mean of max(0, n.l).
+    /// `integral |d - d_ref| / integral d_ref`, d the mean of max(0, n.l), by 256 lights (within 1 percent of itself).
     pub diffuse_error: Summary,
     /// The texels of largest lobe error among the judged ones, worst first, at most 8.
     pub worst: Vec<WorstTexel>,

@@ -55,19 +55,24 @@ fn every_figure_agrees_with_brute_force() {
     let found = &judgement.chains[0].levels[0];
 
     let (mut tv, mut hellinger2, mut kl) = (0.0, 0.0, 0.0);
+    let (mut all_p, mut all_q) = (0.0, 0.0);
     const N: usize = 600;
     let area = TAU / (N * N) as f64;
     for m in hemisphere(N) {
         let p: f64 = texels.iter().map(|t| 0.25 * t.d(m) / f64::from(t.normal.z)).sum();
         let q = lobe.d(m) / f64::from(lobe.normal.z);
+        (all_p, all_q) = (all_p + p * m.z * area, all_q + q * m.z * area);
         tv += 0.5 * (p - q).abs() * m.z * area;
         hellinger2 += 0.5 * (p.sqrt() - q.sqrt()).powi(2) * m.z * area;
         kl += if p > 0.0 && q > 0.0 { (p * (p / q).ln() - p + q) * m.z * area } else { 0.0 };
     }
-    let (mut error, mut energy, mut compensated) = (0.0, 0.0, 0.0);
+    // Both sides hold 1, but for what leans below the surface.
+    let both = 0.5 * (all_p + all_q);
+    assert!((all_p - 1.0).abs() < 0.03 && (all_q - 1.0).abs() < 0.03);
+    let (tv, hellinger2, kl) = (tv / both, hellinger2 / both, kl / all_p);
+    let [mut distance, mut sum_ref, mut sum, mut all_ref, mut all] = [0.0; 5];
     for view in views() {
         let gain = |t: &Lobe| 1.0 / directional_albedo(t.normal.as_dvec3().dot(view), t.axes().alpha_x);
-        let [mut distance, mut sum_ref, mut sum, mut all_ref, mut all] = [0.0; 5];
         for l in hemisphere(300) {
             let f_ref: f64 = texels.iter().map(|t| 0.25 * t.specular(view, l)).sum();
             let f = lobe.specular(view, l);
@@ -75,10 +80,9 @@ fn every_figure_agrees_with_brute_force() {
             all_ref += texels.iter().map(|t| 0.25 * t.specular(view, l) * gain(t)).sum::<f64>();
             all += f * gain(&lobe);
         }
-        error += 0.2 * distance / sum_ref;
-        energy += 0.2 * sum / sum_ref;
-        compensated += 0.2 * all / all_ref;
     }
+    let error = distance / (0.5 * (sum + sum_ref));
+    let (energy, compensated) = (sum / sum_ref, all / all_ref);
     let dot = |n: Vec3, l: DVec3| n.as_dvec3().dot(l).max(0.0);
     let (mut diffuse, mut diffuse_ref) = (0.0, 0.0);
     for l in hemisphere(200) {
@@ -93,7 +97,7 @@ fn every_figure_agrees_with_brute_force() {
         ("kl", found.ndf_kl.mean, kl, found.ndf_kl.stderr),
         ("energy", found.energy.mean, energy, found.energy.stderr),
         ("compensated", found.energy.compensated, compensated, found.energy.stderr),
-        // 64 fixed lights against 40000.
+        // 256 fixed lights against 40000.
         ("diffuse", found.diffuse_error.mean, diffuse / diffuse_ref, 0.01 * diffuse / diffuse_ref),
     ];
     for (name, found, expected, stderr) in pairs {
@@ -102,19 +106,20 @@ fn every_figure_agrees_with_brute_force() {
     }
 }
 
-/// The round light by brute force: every light is a mean over 61 places.
+/// The round light by brute force: every light is a mean over 61 places. The narrowest lobe, of alpha 0.04, is near
+/// what the judge's own places resolve.
 #[test]
 fn round_light_agrees_with_brute_force() {
-    let base = four();
+    let mut base = four();
+    base.perceptual[1] = 0.2;
     let texels: Vec<Lobe> =
         (0..4).map(|i| Lobe::isotropic(base.normals[i], Alpha(base.perceptual[i] * base.perceptual[i]))).collect();
-    let lobe = Lobe::isotropic(Vec3::Z, Alpha(0.15));
+    let lobe = Lobe::isotropic(tilted(-0.25, 0.05), Alpha(0.06));
     let settings = Settings { directions: 100_000, levels: vec![1], ..Settings::default() };
     let found = run(&base, &[candidate("one", &base, lobe)], &settings).chains[0].levels[0].lobe_error_light;
-    let mut error = 0.0;
+    let (mut distance, mut total) = (0.0, 0.0);
     for view in views() {
-        let (mut distance, mut total) = (0.0, 0.0);
-        for middle in hemisphere(120) {
+        for middle in hemisphere(200) {
             let turned = glam::DQuat::from_rotation_arc(DVec3::Z, middle);
             let (mut f, mut f_ref) = (0.0, 0.0);
             for k in 0..61 {
@@ -126,12 +131,13 @@ fn round_light_agrees_with_brute_force() {
                 }
             }
             distance += (f - f_ref).abs();
-            total += f_ref;
+            total += 0.5 * (f + f_ref);
         }
-        error += 0.2 * distance / total;
     }
+    let error = distance / total;
     // The middles here end at the horizon, the judge's do not.
-    assert!(found.stderr < 0.02 * error && (found.mean - error).abs() < 4.0 * found.stderr + 0.02 * error);
+    let off = (found.mean - error).abs();
+    assert!(found.stderr < 0.02 * error && off < 3.0 * found.stderr + 0.02 * error, "{found:?} {error}");
 }
 
 #[test]
@@ -178,8 +184,64 @@ fn disjoint_lobes_reach_the_largest_figures() {
     let away = Lobe::isotropic(tilted(-0.9, 0.0), Alpha(0.01));
     let settings = Settings { levels: vec![1], directions: 4000, ..Settings::default() };
     let level = &run(&base, &[candidate("away", &base, away)], &settings).chains[0].levels[0];
-    assert!(level.ndf_tv.mean > 0.99 && level.ndf_hellinger.mean > 0.95, "{level:?}");
-    assert!(level.lobe_error.mean > 1.5, "{level:?}");
+    assert!(level.ndf_tv.mean > 0.99 && level.ndf_tv.mean <= 1.0, "{level:?}");
+    assert!(level.ndf_hellinger.mean > 0.95 && level.ndf_hellinger.mean <= 1.0, "{level:?}");
+    assert!(level.lobe_error.mean > 1.98 && level.lobe_error.mean <= 2.0, "{level:?}");
+}
+
+/// A slope that hardly any view sees: whatever a chain shows instead, no figure leaves its range.
+#[test]
+fn steep_slopes_do_not_explode() {
+    for slope in [2.0, 20.0] {
+        let base = Field { size: Size::new(2, 2), normals: vec![tilted(slope, slope); 4], perceptual: vec![0.25; 4] };
+        let flat = candidate("flat", &base, Lobe::isotropic(Vec3::Z, Alpha(0.5)));
+        for seed in 1..20 {
+            let settings = Settings { levels: vec![1], seed, ..Settings::default() };
+            let level = &run(&base, std::slice::from_ref(&flat), &settings).chains[0].levels[0];
+            assert!((0.5..=2.0).contains(&level.lobe_error.mean), "{level:?}");
+            assert!((0.5..=1.0).contains(&level.ndf_tv.mean) && level.ndf_hellinger.mean <= 1.0, "{level:?}");
+        }
+    }
+}
+
+/// Texels that cannot be used change nothing about those that can: half of a map against the same half alone.
+#[test]
+fn unusable_texels_do_not_bend_the_figures() {
+    let side = 32;
+    let (a, b) = (tilted(0.5, 0.0), tilted(-0.5, 0.1));
+    let whole = |usable: bool| {
+        let normal = |i: usize| match (i % side, i / side) {
+            (x, _) if usable && x < side / 2 => Vec3::NEG_Z,
+            (x, _) if usable => {
+                if x < 3 * side / 4 {
+                    a
+                } else {
+                    b
+                }
+            }
+            (x, _) => {
+                if x < side / 2 {
+                    a
+                } else {
+                    b
+                }
+            }
+        };
+        let normals = (0..side * side).map(normal).collect();
+        Field { size: Size::new(side, side), normals, perceptual: vec![0.5; side * side] }
+    };
+    let judged = |base: &Field| {
+        let chain = candidate("a", base, Lobe::isotropic(a, Alpha(0.25)));
+        let settings = Settings { levels: vec![5], directions: 8000, ..Settings::default() };
+        run(base, &[chain], &settings).chains.swap_remove(0).levels.swap_remove(0)
+    };
+    let (found, expected) = (judged(&whole(true)), judged(&whole(false)));
+    let near = |a: (f64, f64), b: (f64, f64)| (a.0 - b.0).abs() < 4.0 * (a.1 * a.1 + b.1 * b.1).sqrt();
+    for (a, b) in [(found.ndf_tv, expected.ndf_tv), (found.lobe_error, expected.lobe_error)] {
+        assert!(near((a.mean, a.stderr), (b.mean, b.stderr)), "{a:?} {b:?}");
+    }
+    let energy = |level: &LevelScore| (level.energy.mean, level.energy.stderr);
+    assert!(near(energy(&found), energy(&expected)), "{:?} {:?}", found.energy, expected.energy);
 }
 
 /// Half the directions and half the texels: the change stays within the stated errors; and those are not idle.
@@ -189,7 +251,7 @@ fn halving_the_sample_stays_within_the_stated_error() {
     let chain = candidate("flat", &base, Lobe::isotropic(Vec3::Z, Alpha(0.4)));
     let at = |texels, directions, seed| {
         let levels = vec![2, 4, 6];
-        let settings = Settings { texels, directions, levels, seed, ..Settings::default() };
+        let settings = Settings { texels: Some(texels), directions, levels, seed, ..Settings::default() };
         run(&base, std::slice::from_ref(&chain), &settings).chains.swap_remove(0).levels
     };
     let (mut worst, mut sum, mut count) = (0.0f64, 0.0, 0.0);
@@ -223,8 +285,8 @@ fn subsets_of_footprints_state_their_error() {
     base.perceptual.iter_mut().for_each(|r| *r = r.max(0.35));
     let chain = candidate("flat", &base, Lobe::isotropic(Vec3::Z, Alpha(0.4)));
     let at = |most_texels, seed| {
-        let reading = Reading { most_texels, seed, ..Reading::default() };
-        let settings = Settings { texels: 4, directions: 400, levels: vec![7], reading, seed: 1 };
+        let reading = Reading { most_texels, ..Reading::default() };
+        let settings = Settings { texels: Some(4), directions: 400, levels: vec![7], reading, seed };
         run(&base, std::slice::from_ref(&chain), &settings).chains[0].levels[0].ndf_tv
     };
     let whole = at(None, 1);
@@ -237,12 +299,57 @@ fn subsets_of_footprints_state_their_error() {
     assert!(outside <= 2 && stated > whole.stderr, "{outside} of 12 beyond 2.5 standard errors");
 }
 
+/// Rough normals, many texels: subsets of any size agree with the whole, and nothing comes out as a perfect 0.
+#[test]
+fn subsets_of_rough_footprints_are_neither_flattered_nor_lost() {
+    let mut random = crate::random::Random::new(9, 9);
+    let mut normal = || tilted(random.uniform() as f32 - 0.5, random.uniform() as f32 - 0.5);
+    let normals = (0..128 * 128).map(|_| normal()).collect();
+    let base = Field { size: Size::new(128, 128), normals, perceptual: vec![0.4; 128 * 128] };
+    let chain = candidate("flat", &base, Lobe::isotropic(Vec3::Z, Alpha(0.45)));
+    let at = |most_texels, seed| {
+        let reading = Reading { most_texels, ..Reading::default() };
+        let settings = Settings { texels: None, directions: 80, levels: vec![3], reading, seed };
+        run(&base, std::slice::from_ref(&chain), &settings).chains.swap_remove(0).levels.swap_remove(0)
+    };
+    let whole = at(None, 1);
+    for most in [16, 32] {
+        for seed in 1..4 {
+            let part = at(Some(most), seed);
+            let pairs = [(part.lobe_error, whole.lobe_error), (part.ndf_tv, whole.ndf_tv), (part.ndf_kl, whole.ndf_kl)];
+            for (part, whole) in pairs {
+                let error = (part.stderr.powi(2) + whole.stderr.powi(2)).sqrt();
+                assert!(part.stderr.is_finite() && (part.mean - whole.mean).abs() < 4.0 * error, "{part:?} {whole:?}");
+                assert!(part.mean > 0.5 * whole.mean, "{part:?} {whole:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn what_is_no_lobe_is_refused() {
+    let base = field(4, 4);
+    let good = Lobe::isotropic(Vec3::Z, Alpha(0.3));
+    let wrong = [
+        Lobe { normal: Vec3::new(f32::NAN, 0.0, 1.0), ..good },
+        Lobe { normal: Vec3::ZERO, ..good },
+        Lobe { normal: Vec3::NEG_Z, ..good },
+        Lobe::isotropic(Vec3::Z, Alpha(f32::NAN)),
+        Lobe::isotropic(Vec3::Z, Alpha(f32::INFINITY)),
+    ];
+    for lobe in wrong {
+        let error = judge(&base, &[candidate("mine", &base, lobe)], &Settings::default(), &|_| ()).unwrap_err();
+        let text = error.to_string();
+        assert!(text.starts_with("mine: found Lobe") && text.contains("in level 1, column 0, row 0"), "{text}");
+    }
+}
+
 #[test]
 fn figures_depend_on_no_other_chain_and_on_no_thread() {
     let base = field(64, 32);
     let lobe = |a| Lobe::isotropic(tilted(0.1, 0.0), Alpha(a));
     let (one, two) = (candidate("one", &base, lobe(0.3)), candidate("two", &base, lobe(0.6)));
-    let settings = Settings { texels: 8, ..Settings::default() };
+    let settings = Settings { texels: Some(8), ..Settings::default() };
     let alone = run(&base, std::slice::from_ref(&one), &settings).chains.swap_remove(0);
     let mut short = two.clone();
     short.levels.truncate(3);
@@ -261,7 +368,7 @@ fn beside_of(chain: &Candidate) -> [Candidate; 1] {
 fn texels_are_chosen_from_every_part_of_a_level() {
     let base = field(64, 16);
     let chain = candidate("flat", &base, Lobe::isotropic(Vec3::Z, Alpha(0.4)));
-    let settings = Settings { texels: 16, directions: 5, levels: vec![0], ..Settings::default() };
+    let settings = Settings { texels: Some(16), directions: 5, levels: vec![0], ..Settings::default() };
     let level = run(&base, &[chain], &settings).chains.swap_remove(0).levels.swap_remove(0);
     assert_eq!((level.samples, level.width, level.height), (16, 64, 16));
     let far = level.worst.iter().filter(|texel| texel.x >= 64 || texel.y >= 16).count();

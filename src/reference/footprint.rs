@@ -6,11 +6,11 @@ use rayon::prelude::*;
 
 use super::kernel::{Diffuse, Means, Queries, accumulate, add_density};
 use super::lobe::PreparedLobe;
-use super::random::Random;
 use super::{directional_albedo, rows};
 use crate::image::{Size, Span, Wrap, span};
 use crate::material::Texels;
 use crate::ndf::{Lobe, Ndf};
+use crate::random::Random;
 use crate::roughness::Alpha;
 
 /// What lies between the centres of level 0's texels.
@@ -31,6 +31,26 @@ pub enum Interpolation {
     },
 }
 
+impl Interpolation {
+    /// Lobes that stand for one texel.
+    fn places(self) -> usize {
+        match self {
+            Interpolation::Constant => 1,
+            Interpolation::Bilinear { per_side, .. } => (per_side * per_side).max(1),
+        }
+    }
+}
+
+impl Reading {
+    /// Lobes that stand for a footprint of so many texels, at most.
+    pub fn lobes(&self, texels: usize) -> usize {
+        match self.most_texels {
+            Some(most) if most < texels => most,
+            _ => texels * self.interpolation.places(),
+        }
+    }
+}
+
 /// How a footprint is read.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
 pub struct Reading {
@@ -39,15 +59,19 @@ pub struct Reading {
     /// At most so many texels of a footprint, a seeded stratified choice; all of them if `None`. Where lobes are narrower
     /// than the gaps between the chosen normals, distances come out too large, by more than their stated error.
     pub most_texels: Option<usize>,
-    /// Of that choice.
-    pub seed: u64,
 }
 
 /// Lobes that are prepared and evaluated together: few enough to stay in the cache.
 const BLOCK: usize = 256;
 
-/// Texels that one thread evaluates at a time: large enough to be worth a task, small enough to share a footprint.
+/// Texels that one thread evaluates at a time, at least: enough to be worth a task.
 const TASK: usize = 1 << 14;
+
+/// Tasks that a footprint is cut into, at most: each holds sums of its own for all that is asked.
+const TASKS: usize = 64;
+
+/// What random numbers of a texel are for: here, which of a footprint's texels stand for it.
+const CHOICE: u64 = 1;
 
 /// Groups that a subset of a footprint is split into, to tell its standard error.
 const GROUPS: usize = 8;
@@ -71,23 +95,20 @@ enum Source<'a> {
 }
 
 impl<'a> Footprint<'a> {
-    /// The footprint of the texel at column `x` and row `y` of level `level` of `texels`.
-    pub fn of_texel(texels: &'a dyn Texels, reading: Reading, level: usize, x: usize, y: usize) -> Self {
+    /// The footprint of the texel at column `x` and row `y` of level `level` of `texels`; `seed` chooses a subset.
+    pub fn of_texel(texels: &'a dyn Texels, reading: Reading, seed: u64, level: usize, (x, y): (usize, usize)) -> Self {
         let (source, target) = (texels.size(), texels.size().level(level));
         let (x_span, y_span) = (span(source.width, target.width, x), span(source.height, target.height, y));
         let count = x_span.weights.len() * y_span.weights.len();
         match reading.most_texels {
             Some(most) if most < count => {
-                let stream = ((level as u64) << 48) ^ ((y as u64) << 24) ^ x as u64;
-                let random = Random::new(reading.seed, stream);
+                let random = Random::for_texel(seed, CHOICE, level, (x, y));
                 Self::of_groups(subset(texels, reading.interpolation, &x_span, &y_span, most, random))
             }
             _ => {
-                let mut first = Vec::new();
-                let x = x_span.first;
-                rows::append(texels, reading.interpolation, y_span.first, 1.0, x, &x_span.weights[..1], &mut first);
+                let control = pick(texels, reading.interpolation, &x_span, &y_span, [0.0; 2]);
                 let source = Source::Rectangle { texels, interpolation: reading.interpolation, x: x_span, y: y_span };
-                Self { source, control: first.swap_remove(0) }
+                Self { source, control }
             }
         }
     }
@@ -105,13 +126,7 @@ impl<'a> Footprint<'a> {
     /// Number of lobes.
     pub fn lobes(&self) -> usize {
         match &self.source {
-            Source::Rectangle { interpolation, x, y, .. } => {
-                let places = match interpolation {
-                    Interpolation::Constant => 1,
-                    Interpolation::Bilinear { per_side, .. } => per_side * per_side,
-                };
-                x.weights.len() * y.weights.len() * places
-            }
+            Source::Rectangle { interpolation, x, y, .. } => x.weights.len() * y.weights.len() * interpolation.places(),
             Source::Lobes(groups) => groups.iter().map(Vec::len).sum(),
         }
     }
@@ -130,7 +145,7 @@ impl<'a> Footprint<'a> {
             }
             Source::Rectangle { texels, interpolation, x, y } => (*texels, *interpolation, x, y),
         };
-        let rows_a_task = (TASK / x.weights.len()).max(1);
+        let rows_a_task = (TASK / x.weights.len()).max(y.weights.len().div_ceil(TASKS)).max(1);
         let tasks: Vec<T> = y
             .weights
             .par_chunks(rows_a_task)
@@ -250,22 +265,32 @@ impl<'a> Footprint<'a> {
                 // Rounding may leave a little.
                 found.or(lobes().last()).expect("a footprint has a lobe").clone()
             }
-            Source::Rectangle { texels, interpolation, x, y } => {
-                // Unusable texels weigh nothing: look elsewhere, along a sequence that fills the unit square (Roberts
-                // 2018), until a usable one is met.
-                const TRIES: usize = 1000;
-                let step = |u: f64, k: usize, step: f64| (u + k as f64 * step).fract();
-                let place = |k: usize| [step(a, k, 0.754_877_666_246_692_7), step(b, k, 0.569_840_290_998_053_2)];
-                let mut tries = (0..TRIES).map(|k| at(*texels, *interpolation, x, y, place(k)));
-                let first = tries.next().expect("there are tries");
-                if first.weight > 0.5 { first } else { tries.find(|lobe| lobe.weight > 0.5).unwrap_or(first) }
-            }
+            Source::Rectangle { texels, interpolation, x, y } => pick(*texels, *interpolation, x, y, [a, b]),
         };
         lobe.sample([c, d])
     }
 }
 
-/// The lobe at a place of the footprint, 0..1 along x and y. Its weight is its coverage.
+/// A lobe of the footprint by its weight: the one at a place, 0..1 along x and y, if it is usable there, else at another
+/// place that is as likely as any. Where nothing is usable everything weighs the same.
+fn pick(texels: &dyn Texels, interpolation: Interpolation, x: &Span, y: &Span, place: [f64; 2]) -> PreparedLobe {
+    const TRIES: usize = 10_000;
+    let first = at(texels, interpolation, x, y, place);
+    if first.weight >= 1.0 {
+        return first;
+    }
+    let mut random = Random::new(place[0].to_bits(), place[1].to_bits());
+    let mut tried = first.clone();
+    for _ in 0..TRIES {
+        if random.uniform() < tried.weight {
+            return tried;
+        }
+        tried = at(texels, interpolation, x, y, [random.uniform(), random.uniform()]);
+    }
+    first
+}
+
+/// The lobe at a place of the footprint. Its weight is its coverage, 0 to 1.
 fn at(texels: &dyn Texels, interpolation: Interpolation, x: &Span, y: &Span, [a, b]: [f64; 2]) -> PreparedLobe {
     let (i, s) = locate(x, a);
     let (j, t) = locate(y, b);
@@ -312,6 +337,7 @@ fn subset(
         let (i, j) = (cell % columns, cell / columns);
         let place = |i: usize, n: usize, u: f64| (i as f64 + u) / n as f64;
         let (u, v) = (random.uniform(), random.uniform());
+        // Unusable texels stay unusable here: the choice is of places.
         let lobe = at(texels, interpolation, x, y, [place(i, columns, u), place(j, rows, v)]);
         // Neighbouring rows start with different groups.
         groups[(i + 3 * j) % count].push(lobe);

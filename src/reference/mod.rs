@@ -9,7 +9,6 @@ mod albedo;
 mod footprint;
 mod kernel;
 mod lobe;
-mod random;
 mod rows;
 #[cfg(test)]
 pub(crate) mod tests;
@@ -17,4 +16,3 @@ pub(crate) mod tests;
 pub use albedo::directional_albedo;
 pub use footprint::{Footprint, Interpolation, Reading};
 pub use kernel::{Diffuse, Means, Queries};
-pub use random::{Random, Spread};

@@ -7,6 +7,7 @@ use super::lobe::PreparedLobe;
 use crate::image::Wrap;
 use crate::material::Texels;
 use crate::ndf::{Lobe, RoughnessTensor};
+use crate::roughness::PerceptualRoughness;
 
 /// Weight of a texel whose normal cannot be used, in texels: none beside any other, all where there is no other.
 const UNUSABLE_WEIGHT: f64 = 1e-12;
@@ -30,9 +31,7 @@ fn read(texels: &dyn Texels, y: usize, x: usize, n: usize) -> Vec<Texel> {
     if texels.is_anisotropic() {
         texels.tensors(y, x, r, [&mut *xx, &mut *xy, &mut *yy]);
     } else {
-        // As `PerceptualRoughness::alpha` and its square.
-        let alpha2 = |r: &f32| (r * r) * (r * r);
-        xx.iter_mut().zip(&*r).for_each(|(xx, r)| *xx = alpha2(r));
+        xx.iter_mut().zip(&*r).for_each(|(xx, r)| *xx = PerceptualRoughness(*r).alpha().squared());
         yy.copy_from_slice(xx);
     }
     let texel = |i: usize| Texel {
@@ -107,10 +106,9 @@ fn interpolate(rows: &[Vec<Texel>; 3], i: usize, offset: Vec2) -> Texel {
     let sum = |f: &dyn Fn(&Texel) -> f32| corners.iter().map(|(texel, w)| w * f(texel)).sum::<f32>();
     let normal: Vec3 = corners.iter().map(|(texel, w)| w * texel.coverage * texel.normal).sum();
     let perceptual = sum(&|t| t.perceptual);
-    let alpha2 = (perceptual * perceptual) * (perceptual * perceptual);
     let isotropic = corners.iter().all(|(texel, _)| texel.tensor.xy == 0.0 && texel.tensor.xx == texel.tensor.yy);
     let tensor = if isotropic {
-        RoughnessTensor { xx: alpha2, xy: 0.0, yy: alpha2 }
+        RoughnessTensor::isotropic(PerceptualRoughness(perceptual).alpha())
     } else {
         RoughnessTensor { xx: sum(&|t| t.tensor.xx), xy: sum(&|t| t.tensor.xy), yy: sum(&|t| t.tensor.yy) }
     };

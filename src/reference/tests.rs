@@ -8,6 +8,7 @@ use super::*;
 use crate::image::{Size, Wrap};
 use crate::material::Texels;
 use crate::ndf::{Axes, Lobe, Ndf, RoughnessTensor};
+use crate::random::Random;
 use crate::roughness::Alpha;
 
 /// Texels of one width, given by their normals row by row.
@@ -187,7 +188,7 @@ fn footprints_hold_the_texels_below_with_their_areas() {
         Lobe::isotropic(field.normals[i], Alpha(field.perceptual[i] * field.perceptual[i]))
     };
     let expected: Vec<_> = (0..3).flat_map(|y| [(lobe(2, y), 0.5), (lobe(3, y), 1.0), (lobe(4, y), 1.0)]).collect();
-    let texel = Footprint::of_texel(&field, Reading::default(), 1, 1, 0);
+    let texel = Footprint::of_texel(&field, Reading::default(), 1, 1, (1, 0));
     let list = Footprint::of_lobes(&expected);
     assert_eq!((texel.lobes(), list.lobes()), (9, 9));
     for m in directions() {
@@ -201,12 +202,12 @@ fn unusable_normals_count_only_where_there_is_no_other() {
     let mut field = field(2, 2);
     field.normals[1] = Vec3::NEG_Z;
     let usable = [0, 2, 3].map(|i| (Lobe::isotropic(field.normals[i], Alpha(field.perceptual[i].powi(2))), 1.0));
-    let texel = Footprint::of_texel(&field, Reading::default(), 1, 0, 0);
+    let texel = Footprint::of_texel(&field, Reading::default(), 1, 1, (0, 0));
     assert!(close(texel.d(DVec3::Z), Footprint::of_lobes(&usable).d(DVec3::Z), 1e-6));
     let drawn = (0..500).map(|i| texel.draw([(i as f64 + 0.5) / 500.0, 0.2, 1e-9, 0.0]));
     assert!(drawn.into_iter().all(|m| m.distance(DVec3::Z) > 1e-3), "the unusable normal was drawn");
     field.normals.fill(Vec3::NEG_Z);
-    let flat = Footprint::of_texel(&field, Reading::default(), 1, 0, 0);
+    let flat = Footprint::of_texel(&field, Reading::default(), 1, 1, (0, 0));
     assert!(flat.mean_normal().distance(DVec3::Z) < 1e-9);
 }
 
@@ -217,10 +218,16 @@ fn samples_follow_the_density() {
     const FINE: usize = 80;
     const DRAWS: usize = 40_000;
     let field = field(7, 5);
-    let texel = Footprint::of_texel(&field, Reading::default(), 1, 1, 1);
+    let texel = Footprint::of_texel(&field, Reading::default(), 1, 1, (1, 1));
+    let mut holed = self::field(6, 2);
+    holed.normals[1..5].fill(Vec3::NEG_Z);
+    holed.normals[7..9].fill(Vec3::NEG_Z);
+    let holes = Footprint::of_texel(&holed, Reading::default(), 1, 2, (0, 0));
+    let bilinear = Interpolation::Bilinear { per_side: 2, wrap: Wrap::Clamp };
+    let filtered = Footprint::of_texel(&holed, Reading { interpolation: bilinear, ..Reading::default() }, 1, 2, (0, 0));
     let mixed: Vec<_> = lobes().into_iter().zip([0.1, 0.2, 0.3, 0.4]).collect();
     let list = Footprint::of_lobes(&mixed[..3]);
-    for footprint in [&texel, &list] {
+    for footprint in [&texel, &list, &holes, &filtered] {
         // Strips of x and of y, both hemispheres together: facets may lean beyond the horizon.
         let cell_of = |m: DVec3| {
             let place = |v: f64| ((v.clamp(-1.0, 1.0).asin() / PI + 0.5) * SIDE as f64).min(SIDE as f64 - 1.0) as usize;
@@ -267,7 +274,7 @@ fn samples_follow_the_density() {
 #[test]
 fn grid_draws_and_direct_evaluation_agree() {
     let field = field(8, 8);
-    let footprint = Footprint::of_texel(&field, Reading::default(), 2, 1, 0);
+    let footprint = Footprint::of_texel(&field, Reading::default(), 1, 2, (1, 0));
     // The mean of (m.x)^2 over the facets, seen from above.
     const N: usize = 600;
     let disk = footprint.disk((0.0, 0.0), 1.0, N);
@@ -331,15 +338,15 @@ fn bilinear_normals_meet_the_texels_and_lie_between() {
         ..Reading::default()
     };
     // One place in the middle of a texel is the texel.
-    let constant = Footprint::of_texel(&field, Reading::default(), 1, 1, 0);
-    let middle = Footprint::of_texel(&field, reading(1), 1, 1, 0);
+    let constant = Footprint::of_texel(&field, Reading::default(), 1, 1, (1, 0));
+    let middle = Footprint::of_texel(&field, reading(1), 1, 1, (1, 0));
     for m in directions() {
         assert!(close(middle.d(m), constant.d(m), 1e-5));
     }
     // A ramp between two columns, by hand: three places are 1/3 apart.
     let two =
         Field { size: Size::new(2, 1), normals: vec![tilted(0.2, 0.0), tilted(-0.2, 0.0)], perceptual: vec![0.5, 0.7] };
-    let texel = Footprint::of_texel(&two, reading(3), 0, 0, 0);
+    let texel = Footprint::of_texel(&two, reading(3), 1, 0, (0, 0));
     let place = |t: f32| {
         let normal = two.normals[0].lerp(two.normals[1], t).normalize();
         let r = 0.5 + 0.2 * t;
@@ -353,7 +360,7 @@ fn bilinear_normals_meet_the_texels_and_lie_between() {
     }
     // Finer places converge.
     let (fine, finer) =
-        (Footprint::of_texel(&field, reading(4), 2, 0, 0), Footprint::of_texel(&field, reading(8), 2, 0, 0));
+        (Footprint::of_texel(&field, reading(4), 1, 2, (0, 0)), Footprint::of_texel(&field, reading(8), 1, 2, (0, 0)));
     assert!(close(fine.d(DVec3::Z), finer.d(DVec3::Z), 0.02));
 }
 
@@ -361,8 +368,8 @@ fn bilinear_normals_meet_the_texels_and_lie_between() {
 fn a_subset_is_close_to_the_whole_and_in_groups() {
     let mut field = field(64, 64);
     field.perceptual.iter_mut().for_each(|r| *r = r.max(0.5));
-    let whole = Footprint::of_texel(&field, Reading::default(), 6, 0, 0);
-    let part = Footprint::of_texel(&field, Reading { most_texels: Some(512), seed: 5, ..Reading::default() }, 6, 0, 0);
+    let whole = Footprint::of_texel(&field, Reading::default(), 1, 6, (0, 0));
+    let part = Footprint::of_texel(&field, Reading { most_texels: Some(512), ..Reading::default() }, 5, 6, (0, 0));
     assert!(part.lobes() <= 512 && part.lobes() >= 450, "{}", part.lobes());
     let mut queries = Queries::default();
     queries.start_view(DVec3::Z);
@@ -378,7 +385,7 @@ fn a_subset_is_close_to_the_whole_and_in_groups() {
         assert!(error < 5.0 * variance.sqrt() && error < 0.5 * truth.d[j], "{} {}", merged.d[j], truth.d[j]);
     }
     // As many texels as there are is all of them.
-    let all = Footprint::of_texel(&field, Reading { most_texels: Some(4096), ..Reading::default() }, 6, 0, 0);
+    let all = Footprint::of_texel(&field, Reading { most_texels: Some(4096), ..Reading::default() }, 5, 6, (0, 0));
     assert_eq!(all.d(DVec3::Z), whole.d(DVec3::Z));
 }
 
@@ -387,7 +394,7 @@ fn nothing_depends_on_threads() {
     let field = field(512, 300);
     let ask = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| Footprint::of_texel(&field, Reading::default(), 9, 0, 0).density(&directions()))
+        pool.install(|| Footprint::of_texel(&field, Reading::default(), 1, 9, (0, 0)).density(&directions()))
     };
     assert_eq!(ask(1), ask(3));
 }
@@ -400,7 +407,7 @@ fn equal_lobes_give_that_lobe_to_the_last_bit() {
     queries.start_view(DVec3::new(0.3, 0.2, 0.9).normalize());
     directions().iter().for_each(|l| queries.push_light(*l));
     let lights = Diffuse::new(&directions());
-    let many = Footprint::of_texel(&same, Reading::default(), 3, 1, 1).means(&queries, &lights).swap_remove(0);
+    let many = Footprint::of_texel(&same, Reading::default(), 1, 3, (1, 1)).means(&queries, &lights).swap_remove(0);
     let base = crate::material::base_lobes(&same, crate::ndf::Form::Isotropic).at(3, 4);
     let one = Footprint::of_lobes(&[(base, 0.2)]).means(&queries, &lights).swap_remove(0);
     assert_eq!(Means { weight: 1.0, ..many }, Means { weight: 1.0, ..one });

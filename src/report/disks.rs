@@ -90,7 +90,7 @@ impl Desk<'_> {
         let most = settings.reading.most_texels.unwrap_or(usize::MAX).min(MOST_TEXELS);
         let reading = Reading { most_texels: Some(most), ..settings.reading };
         let (centre, half) = window(self.base, self.lobes, place, lobe);
-        let truth = Footprint::of_texel(*material, reading, self.level, place.x, place.y);
+        let truth = Footprint::of_texel(*material, reading, settings.seed, self.level, (place.x, place.y));
         let truth = truth.disk(centre, half, self.cells);
         let found = Footprint::of_lobes(&[(lobe, 1.0)]).disk(centre, half, self.cells);
         let peak = truth.iter().chain(&found).copied().filter(|d| d.is_finite()).fold(0.0, f64::max);

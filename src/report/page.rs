@@ -274,7 +274,7 @@ fn settings(subject: &Subject) -> Vec<Fact> {
     vec![
         ("Version", format!("mipfold {}", env!("CARGO_PKG_VERSION"))),
         ("Seed", s.seed.to_string()),
-        ("Texels judged in a level", format!("{} at most", s.texels)),
+        ("Texels judged in a level", s.texels.map_or("all".into(), |n| format!("{n} at most"))),
         ("Directions from a footprint", s.directions.to_string()),
         ("Between the texels", between),
         ("Texels of a footprint", s.reading.most_texels.map_or("all".into(), |n| format!("{n} at most"))),

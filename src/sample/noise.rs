@@ -1,25 +1,17 @@
 //! Random numbers, smooth noise and scattered cells, all from integer hashes and all periodic.
 
-/// The finaliser of SplitMix64 (Steele et al. 2014).
-fn mix(mut z: u64) -> u64 {
-    z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-    z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-    z ^ (z >> 31)
-}
-
-/// A stream of random numbers (SplitMix64).
-pub(super) struct Random(u64);
+/// A stream of random numbers in single precision.
+pub(super) struct Random(crate::random::Random);
 
 impl Random {
     /// Streams of one seed are independent of each other.
     pub fn new(seed: u64, stream: u64) -> Self {
-        Self(mix(seed.wrapping_add(mix(stream.wrapping_add(0x9E37_79B9_7F4A_7C15)))))
+        Self(crate::random::Random::new(seed, stream))
     }
 
     /// Uniform in `low..high`.
     pub fn between(&mut self, low: f32, high: f32) -> f32 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        low + (high - low) * ((mix(self.0) >> 40) as f32 / (1u64 << 24) as f32)
+        low + (high - low) * ((self.0.bits() >> 40) as f32 / (1u64 << 24) as f32)
     }
 
     /// Nearly Gaussian, mean 0, variance 1: a sum of uniforms, for the logarithm of the usual ways is not rounded

@@ -17,10 +17,21 @@ impl Random {
         Self(mix(seed.wrapping_add(mix(stream.wrapping_add(0x9E37_79B9_7F4A_7C15)))))
     }
 
+    /// A stream for one texel of a level and one of the purposes that it needs numbers for.
+    pub fn for_texel(seed: u64, purpose: u64, level: usize, (x, y): (usize, usize)) -> Self {
+        let stream = [level as u64, y as u64, x as u64].iter().fold(purpose, |stream, v| mix(stream ^ mix(*v)));
+        Self::new(seed, stream)
+    }
+
+    /// 64 random bits.
+    pub fn bits(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        mix(self.0)
+    }
+
     /// Uniform in 0..1.
     pub fn uniform(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        (mix(self.0) >> 11) as f64 / (1u64 << 53) as f64
+        (self.bits() >> 11) as f64 / (1u64 << 53) as f64
     }
 }
 
