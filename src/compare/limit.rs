@@ -134,6 +134,9 @@ impl fmt::Display for Breach {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { chain, level, limit, mean, stderr } = self;
         let (name, most) = (limit.metric.name, limit.most);
+        if mean.is_nan() {
+            return write!(f, "{chain}: level {level}: {name} was not judged, the limit is {most}");
+        }
         // Two digits of what is over, however little it is.
         let over = mean - most;
         let digits = if over > 0.0 { (1.0 - over.log10().floor()).clamp(3.0, 12.0) as usize } else { 3 };
@@ -153,15 +156,21 @@ impl ChainScore {
         self.breaches(limits).into_iter().next().map_or(Ok(()), Err)
     }
 
-    /// Every level past a limit, the furthest past its limit first. A mean that is not a number is past every limit.
+    /// Every level past a limit, the furthest past its limit first. A limit that holds for no judged level is past too,
+    /// with a mean that is not a number: what nobody looked at has not passed.
     pub fn breaches(&self, limits: &[Limit]) -> Vec<Breach> {
         let mut found: Vec<Breach> = Vec::new();
         for limit in limits {
-            for level in self.levels.iter().filter(|level| limit.covers(level.level)) {
+            let chain = || self.name.clone();
+            let mut covered = self.levels.iter().filter(|level| limit.covers(level.level)).peekable();
+            if covered.peek().is_none() {
+                let level = limit.levels.as_ref().map_or(0, |levels| *levels.start());
+                found.push(Breach { chain: chain(), level, limit: limit.clone(), mean: f64::NAN, stderr: f64::NAN });
+            }
+            for level in covered {
                 let (mean, stderr) = (limit.metric.read)(level);
                 if mean.is_nan() || mean > limit.most {
-                    let chain = self.name.clone();
-                    found.push(Breach { chain, level: level.level, limit: limit.clone(), mean, stderr });
+                    found.push(Breach { chain: chain(), level: level.level, limit: limit.clone(), mean, stderr });
                 }
             }
         }
@@ -211,6 +220,8 @@ mod tests {
         let close = ChainScore { levels: vec![fine], ..chain.clone() };
         let breach = close.keeps(&[Limit::lobe_error(0.3)]).unwrap_err().to_string();
         assert_eq!(breach, "mine: level 4: lobe-error 0.300012 +- 0.010000, 0.000012 over the limit 0.3");
+        let unseen = chain.keeps(&["@5=1".parse().unwrap()]).unwrap_err().to_string();
+        assert_eq!(unseen, "mine: level 5: lobe-error was not judged, the limit is 1");
         assert!(chain.breaches(&["ndf-tv=0.3".parse().unwrap()]).is_empty());
     }
 }
