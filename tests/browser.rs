@@ -57,6 +57,7 @@ fn report() -> String {
     let subject = Subject {
         material: &material,
         chains: &chains,
+        about: &[],
         judgement: &judgement,
         plain: Some(0),
         limits: &["0.3".parse().unwrap(), "energy@1-=0.2".parse().unwrap()],
@@ -115,6 +116,10 @@ const DRIVER: &str = r##"<script>
   setTimeout(function () {
     clearInterval(look);
     say("blink", Object.keys(seen).sort().join(" "));
+    var free = clip();
+    at("-split").value = "70"; fire(at("-split"), "input");
+    say("freed", !stage.classList.contains("blinking") && getComputedStyle(left).visibility === "visible" && clip() !== "none" && clip() !== free && !at("-split").disabled);
+    at("-blink").click();
     at("-blink").click();
     say("steady", at("-blink").getAttribute("aria-pressed") === "false" && !stage.classList.contains("blinking"));
     var out = document.createElement("pre");
@@ -149,14 +154,14 @@ fn report_works_in_a_browser() {
         .map(|n| format!("{n}=true"));
     let moving = driven(&chromium, &copy, &[]);
     assert_eq!(moving[..8], good);
-    assert_eq!(moving[8..], ["blink=hidden visible", "steady=true"]);
+    assert_eq!(moving[8..], ["blink=hidden visible", "freed=true", "steady=true"]);
     // Narrow and dark.
     let narrow = driven(&chromium, &copy, &["--window-size=500,900", "--blink-settings=preferredColorScheme=0"]);
     assert_eq!(narrow[..8], good);
     // Who asked for no motion sees the other picture on each press, and nothing moves by itself.
     let still = driven(&chromium, &copy, &["--force-prefers-reduced-motion"]);
     assert_eq!(still[..8], good);
-    assert_eq!(still[8], "blink=hidden");
+    assert_eq!(still[8..], ["blink=hidden", "freed=true", "steady=true"]);
 }
 
 /// The console is really listened to: a page that complains must be heard.

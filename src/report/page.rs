@@ -75,6 +75,8 @@ struct Page<'a> {
     verdict: String,
     status: Status,
     summary: Vec<SummaryRow>,
+    /// Whether the table shows level 0.
+    first_shown: bool,
     distances: Vec<String>,
     cell_side: usize,
     strip: Vec<Row>,
@@ -99,6 +101,9 @@ struct Page<'a> {
     command: &'a str,
     settings: Vec<Fact>,
 }
+
+/// By which a page of ours is known.
+pub const HTML_MARK: &str = "<meta name=\"generator\" content=\"mipfold ";
 
 /// One HTML page that holds everything in itself: pictures, style and script. It loads nothing, and can be read
 /// without scripts. `done` is called with the share of the work that is done, 0 to 1.
@@ -125,6 +130,8 @@ pub(super) fn page_with(subject: &Subject, look: Look, done: &(dyn Fn(f64) + Syn
     done(0.9);
     let names: Vec<&str> = chains.iter().map(|chain| chain.name.as_str()).collect();
     let verdict = verdict(subject);
+    let best = subject.judgement.chains.iter().find(|chain| Some(&chain.name) == verdict.chain.as_ref());
+    let folded = best.is_some_and(|chain| chain.fold.is_some());
     let (strip, errors) = rows(&names, columns);
     let page = Page {
         css: include_str!("../../templates/report/page.css"),
@@ -140,7 +147,8 @@ pub(super) fn page_with(subject: &Subject, look: Look, done: &(dyn Fn(f64) + Syn
             Matters::Unknown => "unknown",
         },
         answer: match verdict.matters {
-            Matters::Yes => "Fold it",
+            Matters::Yes if folded => "Fold it",
+            Matters::Yes => "Closer",
             Matters::NotNeeded => "Leave it",
             Matters::NoHelp => "No gain",
             Matters::Unknown => "Open",
@@ -148,6 +156,7 @@ pub(super) fn page_with(subject: &Subject, look: Look, done: &(dyn Fn(f64) + Syn
         verdict: verdict.text,
         status: figures::status(subject),
         summary: figures::summary(subject),
+        first_shown: figures::any_first(subject),
         distances: DISTANCES.iter().map(|d| distance_name(*d)).collect(),
         cell_side: look.cell,
         // Plain mips, or else the first chain, against the truth.
