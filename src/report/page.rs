@@ -9,7 +9,8 @@ use super::mips;
 use super::pictures::{data, heat_scale};
 use super::strip::{self, HOTTEST, Look, distance_name};
 use super::verdict::short;
-use super::{Matters, Subject, verdict};
+use super::{ChainAbout, Matters, Subject, verdict};
+use crate::compare::Candidate;
 use crate::error::{Error, Result};
 use crate::material::{Origin, base_lobes};
 use crate::ndf::Form;
@@ -36,6 +37,14 @@ struct MapView {
     roles: String,
     sha256: String,
     short: String,
+}
+
+/// Where a chain comes from.
+struct ChainOrigin {
+    name: String,
+    source: String,
+    notes: Vec<String>,
+    warnings: Vec<String>,
 }
 
 struct MotionView {
@@ -94,6 +103,7 @@ struct Page<'a> {
     roughness: Roughness,
     disks: Vec<disks::Panel>,
     motions: Vec<MotionView>,
+    origins: Vec<ChainOrigin>,
     maps: Vec<MapView>,
     conventions: Vec<Fact>,
     notes: &'a [String],
@@ -111,7 +121,7 @@ pub const HTML_MARK: &str = "<meta name=\"generator\" content=\"mipfold ";
 /// # Errors
 /// None that depend on the subject; a picture that cannot be encoded.
 pub fn page(subject: &Subject, done: &(dyn Fn(f64) + Sync)) -> Result<String> {
-    page_with(subject, Look::default(), done)
+    page_with(subject, Look::of(subject.chains.len()), done)
 }
 
 pub(super) fn page_with(subject: &Subject, look: Look, done: &(dyn Fn(f64) + Sync)) -> Result<String> {
@@ -180,6 +190,7 @@ pub(super) fn page_with(subject: &Subject, look: Look, done: &(dyn Fn(f64) + Syn
         roughness: roughness(&names, &spreads),
         disks,
         motions: motions(subject),
+        origins: origins(subject),
         maps: maps(subject),
         conventions: conventions(subject),
         notes: &material.notes,
@@ -248,6 +259,21 @@ fn thousandths(v: f64) -> String {
     if v.is_nan() { "n/a".into() } else { format!("{v:.3}") }
 }
 
+/// What was said of the surface is not said again.
+fn origins(subject: &Subject) -> Vec<ChainOrigin> {
+    let new = |texts: &[String], said: &[String]| texts.iter().filter(|t| !said.contains(t)).cloned().collect();
+    let origin = |(chain, about): (&Candidate, &ChainAbout)| ChainOrigin {
+        name: chain.name.clone(),
+        source: match about.container {
+            Some(container) => format!("{} ({container})", about.source),
+            None => about.source.clone(),
+        },
+        notes: new(&about.notes, &subject.material.notes),
+        warnings: new(&about.warnings, &subject.material.warnings),
+    };
+    subject.chains.iter().zip(subject.about).map(origin).collect()
+}
+
 fn maps(subject: &Subject) -> Vec<MapView> {
     /// Digits that tell files apart for people; the whole digest is at hand.
     const SHORT: usize = 12;
@@ -283,7 +309,10 @@ fn settings(subject: &Subject) -> Vec<Fact> {
     vec![
         ("Version", format!("mipfold {}", env!("CARGO_PKG_VERSION"))),
         ("Seed", s.seed.to_string()),
-        ("Texels judged in a level", format!("{} at most", s.texels)),
+        (
+            "Texels judged in a level",
+            if s.texels == usize::MAX { "all".into() } else { format!("{} at most", s.texels) },
+        ),
         ("Directions from a footprint", s.directions.to_string()),
         ("Between the texels", between),
         ("Texels of a footprint", s.reading.most_texels.map_or("all".into(), |n| format!("{n} at most"))),
