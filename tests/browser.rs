@@ -9,12 +9,14 @@ use std::process::Command;
 
 use mipfold::codec::{decode, write_png};
 use mipfold::compare::{Candidate, Settings, judge};
-use mipfold::fold::{DEFAULT_FOLD, Fold, Options, chain};
-use mipfold::material::{ChannelRef, Inputs, RoughnessInput, base_lobes, load_with};
+use mipfold::fold::{DEFAULT_FOLD, FOLDS, Fold, Options, chain};
+use mipfold::image::{Raster, Samples};
+use mipfold::material::{ChannelRef, Inputs, Material, RoughnessInput, base_lobes, load_with};
 use mipfold::ndf::Form;
 use mipfold::reference::Reading;
-use mipfold::report::{Subject, page};
+use mipfold::report::{Subject, motion, page};
 use mipfold::sample::by_name;
+use ndarray::Array3;
 
 /// Megabytes are 10^6 bytes.
 const MOST_BYTES: usize = 5_000_000;
@@ -57,6 +59,7 @@ fn report() -> String {
     let subject = Subject {
         material: &material,
         chains: &chains,
+        about: &[],
         judgement: &judgement,
         plain: Some(0),
         limits: &["0.3".parse().unwrap(), "energy@1-=0.2".parse().unwrap()],
@@ -65,6 +68,62 @@ fn report() -> String {
         motion: &[],
     };
     page(&subject, &|_| {}).unwrap()
+}
+
+/// Every texel another normal and another roughness: nothing of it can be packed well.
+fn noise(side: usize) -> Material {
+    let byte = |x: usize, y: usize, c: usize| {
+        // Knuth's multiplicative hash, twice.
+        let mixed = ((x * 3 + c) * 2048 + y + 1).wrapping_mul(2_654_435_761) as u32;
+        ((mixed ^ (mixed >> 15)).wrapping_mul(2_246_822_519) >> 24) as u8
+    };
+    let normal = Array3::from_shape_fn((side, side, 3), |(y, x, c)| if c == 2 { 255 } else { byte(x, y, c) / 2 + 64 });
+    let width = Array3::from_shape_fn((side, side, 1), |(y, x, _)| byte(x, y, 2) / 2 + 32);
+    let inputs = Inputs {
+        name: "noise".into(),
+        normal: Some("normal.png".into()),
+        roughness: RoughnessInput::Roughness(ChannelRef::parse("width.png")),
+        ..Inputs::default()
+    };
+    load_with(&inputs, &|path| {
+        let mut bytes = Vec::new();
+        let samples = if path.ends_with("normal.png") { normal.clone() } else { width.clone() };
+        write_png(&mut bytes, &Raster::new(Samples::U8(samples))).unwrap();
+        decode(path, bytes)
+    })
+    .unwrap()
+}
+
+/// The page of all folds of the worst texture there is, with its moving pictures.
+#[test]
+fn a_page_of_many_chains_in_motion_stays_small() {
+    let material = noise(256);
+    let base = base_lobes(&material, Form::Isotropic);
+    let chains: Vec<Candidate> = (0..9)
+        .map(|i| {
+            let options = Options { fold: &FOLDS[i % FOLDS.len()], ..Options::default() };
+            let levels = chain(&material, &options).levels.into_iter().map(|level| level.lobes);
+            let levels = std::iter::once(base.clone()).chain(levels).collect();
+            Candidate { name: format!("chain {i}"), fold: Some(options.fold.name.into()), levels }
+        })
+        .collect();
+    let reading = Reading { most_texels: Some(64), ..Reading::default() };
+    let settings = Settings { texels: Some(2), directions: 8, reading, ..Settings::default() };
+    let judgement = judge(&material, &chains, &settings, &|_| {}).unwrap();
+    let motion = motion(&material, &chains, &|_| {});
+    let subject = Subject {
+        material: &material,
+        chains: &chains,
+        about: &[],
+        judgement: &judgement,
+        plain: Some(0),
+        limits: &[],
+        settings: &settings,
+        command: "mipfold compare --fold all",
+        motion: &motion,
+    };
+    let bytes = page(&subject, &|_| {}).unwrap().len();
+    assert!(motion.len() == 2 && bytes < MOST_BYTES, "{bytes} bytes");
 }
 
 /// Loads a page, lets 5 seconds pass for its timers, and returns the document as it is then and the console's lines.
@@ -115,6 +174,10 @@ const DRIVER: &str = r##"<script>
   setTimeout(function () {
     clearInterval(look);
     say("blink", Object.keys(seen).sort().join(" "));
+    var free = clip();
+    at("-split").value = "70"; fire(at("-split"), "input");
+    say("freed", !stage.classList.contains("blinking") && getComputedStyle(left).visibility === "visible" && clip() !== "none" && clip() !== free && !at("-split").disabled);
+    at("-blink").click();
     at("-blink").click();
     say("steady", at("-blink").getAttribute("aria-pressed") === "false" && !stage.classList.contains("blinking"));
     var out = document.createElement("pre");
@@ -149,14 +212,14 @@ fn report_works_in_a_browser() {
         .map(|n| format!("{n}=true"));
     let moving = driven(&chromium, &copy, &[]);
     assert_eq!(moving[..8], good);
-    assert_eq!(moving[8..], ["blink=hidden visible", "steady=true"]);
+    assert_eq!(moving[8..], ["blink=hidden visible", "freed=true", "steady=true"]);
     // Narrow and dark.
     let narrow = driven(&chromium, &copy, &["--window-size=500,900", "--blink-settings=preferredColorScheme=0"]);
     assert_eq!(narrow[..8], good);
     // Who asked for no motion sees the other picture on each press, and nothing moves by itself.
     let still = driven(&chromium, &copy, &["--force-prefers-reduced-motion"]);
     assert_eq!(still[..8], good);
-    assert_eq!(still[8], "blink=hidden");
+    assert_eq!(still[8..], ["blink=hidden", "freed=true", "steady=true"]);
 }
 
 /// The console is really listened to: a page that complains must be heard.

@@ -69,7 +69,7 @@ fn chains_stand_side_by_side_under_names_of_their_own() {
     assert_eq!(judged("@out"), ["out", "plain mips"]);
     assert_eq!(
         judged("@out @out,container=exr @out,container=lobes,name=full"),
-        ["out", "out 2", "full", "plain mips"]
+        ["out", "out (exr)", "full", "plain mips"]
     );
     assert_eq!(judged("@out/n_lobes.exr --no-plain"), ["n_lobes"]);
     assert_eq!(judged("@out --fold toksvig,lean"), ["out", "toksvig", "lean", "plain mips"]);
@@ -83,6 +83,7 @@ fn chains_stand_side_by_side_under_names_of_their_own() {
     // A folder with a comma in its name is a folder.
     std::fs::rename(desk.at("out"), desk.at("out,a=b")).unwrap();
     assert_eq!(judged("@out,a=b")[0], "out,a=b");
+    assert_eq!(judged("@out,a=b,container=lobes")[0], "out,a=b (lobes)");
 }
 
 #[test]
@@ -117,6 +118,10 @@ fn wrong_chains_are_refused_by_name() {
     refuses(&desk, &format!("{pair},normal=x"), &["normal twice"]);
     refuses(&desk, &format!("{pair},normal-y=up"), &["normal-y=up", "opengl or directx"]);
     refuses(&desk, &format!("{pair},container=exr"), &["container without a folder"]);
+    refuses(&desk, &format!("{pair},normal=x,y_%d.png"), &["normal twice"]);
+    refuses(&desk, "normal=@out/n_mip%d.png,roughness=2", &["roughness=2 in normal=", "from 0 to 1"]);
+    refuses(&desk, "normal=@out/n_mip%i.png,roughness=0.5", &["n_mip%i.png", "%d for the level"]);
+    refuses(&desk, "normal=@a,b_%d.png,roughness=0.5", &["a,b_0.png"]);
     refuses(&desk, &format!("{pair},smoothness=@r.png"), &["roughness, smoothness and orm"]);
     refuses(&desk, "normal=@out/n_mip%d.png", &["without roughness"]);
     refuses(&desk, "normal=@n.png,roughness=@r.png", &["n.png", "%d"]);
@@ -141,13 +146,80 @@ fn wrong_chains_are_refused_by_name() {
 fn wrong_options_are_refused() {
     let desk = built();
     refuses(&desk, "@out --levels 7", &["--levels", "levels from 0 to 6"]);
-    refuses(&desk, "@out --levels 0-2 --limit ^3=0.1", &["--limit", "level 3", "0, 1, 2"]);
+    refuses(&desk, "@out --levels 0-2 --limit ^3=0.1", &["--limit lobe-error@3=0.1", "'out'", "0, 1, 2"]);
+    refuses(&desk, "@out --lobes aniso", &["--lobes", "--fold"]);
     refuses(&desk, &format!("{BASE} --fold toksvig --lobes aniso"), &["toksvig", "one width only"]);
-    for args in ["--levels x", "--texels 0", "--limit tv=1", "--fold mine", "--directions 0", "--subset 0"] {
+    for args in
+        ["--levels x", "--texels 0", "--limit tv=1", "--limit ^4-1=1", "--fold mine", "--directions 0", "--subset 0"]
+    {
         let (code, _, err) = run(&desk, &format!("@out {args}"));
         let value = args.split(' ').nth(1).unwrap();
-        assert!(code == Some(2) && err.contains(value), "{args}: {err}");
+        assert!(code == Some(2) && err.contains(&value.replace('^', "@")), "{args}: {err}");
     }
+}
+
+/// A chain that lacks the levels of a limit must not pass it.
+#[test]
+fn limits_must_meet_a_judged_level_of_every_chain() {
+    let desk = built();
+    for k in 0..3 {
+        for map in ["n", "r"] {
+            std::fs::copy(desk.at(&format!("out/{map}_mip{k}.png")), desk.at(&format!("{map}_{k}.png"))).unwrap();
+        }
+    }
+    let short = "normal=@n_%d.png,roughness=@r_%d.png,name=short";
+    let look = "--texels 4 --directions 8";
+    refuses(&desk, &format!("@out {short} {look} --limit ^5=2"), &["--limit lobe-error@5=2", "'short'", "0 to 2"]);
+    refuses(&desk, &format!("@out {short} {look} --levels 4"), &["short", "levels 0 to 2", "--levels 4"]);
+    refuses(&desk, &format!("{short} {look} --levels 1,4 --limit 2 --limit energy^2=1"), &["energy@2=1", "0 to 2"]);
+    assert_eq!(run(&desk, &format!("@out {short} {look} --levels 1,5 --limit ^1-5=2")).0, Some(0));
+}
+
+/// What stands in the way of a report is found before anything is judged.
+#[test]
+fn reports_need_a_folder() {
+    let desk = built();
+    let file = desk.file("taken", b"mine");
+    let file = file.to_str().unwrap();
+    for place in ["taken", "taken/sub/deep"] {
+        refuses(&desk, &format!("@out -o @{place}"), &[file, "found a file", "a folder"]);
+        refuses(&desk, &format!("@out -o @{place} --dry-run"), &[file, "found a file"]);
+    }
+}
+
+/// A JSON of ours speaks for itself alone.
+#[test]
+fn strangers_files_beside_a_report_stay() {
+    let desk = built();
+    assert_eq!(run(&desk, &format!("@out -o @report {QUICK}")).0, Some(0));
+    for (name, text) in [("report.html", "<html>mine</html>"), ("report.csv", "name,age\r\n")] {
+        let ours = std::fs::read(desk.at("report").join(name)).unwrap();
+        desk.file(&format!("report/{name}"), text.as_bytes());
+        refuses(&desk, "@out -o @report --dry-run", &[name, "--force"]);
+        std::fs::write(desk.at("report").join(name), ours).unwrap();
+    }
+    assert_eq!(run(&desk, "@out -o @report --dry-run").0, Some(0));
+}
+
+/// What was judged stands in the report.
+#[test]
+fn reports_name_the_source_of_every_chain() {
+    let desk = built();
+    // A name that contradicts the option is warned about.
+    for k in 0..7 {
+        std::fs::copy(desk.at(&format!("out/n_mip{k}.png")), desk.at(&format!("NormalDX_{k}.png"))).unwrap();
+    }
+    let foreign = "normal=@NormalDX_%d.png,roughness=0.5,name=theirs";
+    let args = desk.args(&format!("@out,container=exr {foreign} --fold lean {QUICK} --json"));
+    let run = mipfold().arg("compare").args(&args).output().unwrap();
+    let report: Value = serde_json::from_slice(&run.stdout).unwrap();
+    let chain = |i: usize| &report["chains"][i];
+    assert_eq!((&chain(0)["name"], &chain(0)["container"]), (&"out (exr)".into(), &"exr".into()));
+    assert_eq!(chain(0)["source"], args[0].as_str());
+    assert_eq!((&chain(1)["source"], &chain(1)["container"]), (&args[1].as_str().into(), &Value::Null));
+    assert!(chain(1)["warnings"][0].as_str().unwrap().contains("NormalDX_0"), "{}", chain(1));
+    assert_eq!(chain(2)["source"], "folded from the surface");
+    assert!(chain(3)["source"].as_str().unwrap().contains("averaged"));
 }
 
 #[test]

@@ -195,6 +195,43 @@ fn files_and_manifest_fields_are_as_listed() {
 }
 
 #[test]
+fn report_fields_are_as_listed() {
+    let folder = tempfile::tempdir().unwrap();
+    let line = "compare out -o report --texels 2 --directions 4 --levels 1 --no-motion --no-plain";
+    run(&line.split(' ').collect::<Vec<_>>(), folder.path());
+    let read = |name: &str| fs::read_to_string(folder.path().join("report").join(name)).unwrap();
+    let report: serde_json::Value = serde_json::from_str(&read("report.json")).unwrap();
+    let chain = &report["chains"][0];
+    let tables = [
+        (&report, "**`report.json`** holds\n", "\nEach of its chains holds\n"),
+        (chain, "\nEach of its chains holds\n", "\nand each level of a chain\n"),
+        (&chain["levels"][0], "\nand each level of a chain\n", "\n**`report.csv`**"),
+    ];
+    for (value, begin, end) in tables {
+        let fields: BTreeSet<&str> = value.as_object().unwrap().keys().map(String::as_str).collect();
+        let table = rows(between(README, begin, end));
+        let listed: BTreeSet<&str> = table.iter().flat_map(|row| quoted(row[0])).collect();
+        assert_eq!(fields, listed);
+        // Fields of fields, where a row names them.
+        for row in table.iter().filter(|row| ["`base`", "`settings`", "`verdict`", "`energy`"].contains(&row[0])) {
+            let inner = &value[row[0].trim_matches('`')];
+            for field in inner.as_object().unwrap().keys() {
+                assert!(quoted(row[1]).any(|name| name == field), "{field} of {}", row[0]);
+            }
+        }
+    }
+    let text = between(README, "**`report.csv`** has the columns", "Columns are added");
+    let names: Vec<&str> = quoted(text).filter(|name| !["true", "false"].contains(name)).collect();
+    let (endings, plain): (Vec<&str>, Vec<&str>) = names.into_iter().partition(|name| name.starts_with('_'));
+    let levels = rows(between(README, "\nand each level of a chain\n", "\n**`report.csv`**"));
+    let figures = quoted(levels[1][0]).flat_map(|figure| endings.iter().map(move |ending| format!("{figure}{ending}")));
+    let mut expected: Vec<String> = plain[..8].iter().map(|name| (*name).to_owned()).collect();
+    expected.extend(figures.collect::<Vec<_>>());
+    expected.extend(plain[8..].iter().map(|name| (*name).to_owned()));
+    assert_eq!(read("report.csv").lines().next().unwrap().split(',').collect::<Vec<_>>(), expected);
+}
+
+#[test]
 fn snippet_is_that_of_the_crate_documentation() {
     let snippet = between(README, "```rust,no_run\n", "```");
     let documentation: String = include_str!("../src/lib.rs")

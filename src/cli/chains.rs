@@ -24,6 +24,8 @@ pub enum Source {
 /// A chain and what to call it.
 pub struct Chain {
     pub name: String,
+    /// As it was given.
+    pub text: String,
     pub source: Source,
 }
 
@@ -39,15 +41,17 @@ impl Chain {
     pub fn parse(text: &str, reading: &ReadingArgs) -> Result<Self> {
         // A path may hold any character.
         if Path::new(text).exists() {
-            return Self::at(Path::new(text), None, None);
+            return Self::at(text, Path::new(text), None, None);
         }
-        let (path, rest) = match text.split_once(',') {
-            Some((path, rest)) if !path.contains('=') => (Some(path), rest),
-            None if !text.contains('=') => (Some(text), ""),
+        let there = text.rmatch_indices(',').map(|(at, _)| at).find(|at| Path::new(&text[..*at]).exists());
+        let (path, rest) = match (there, text.split_once(',')) {
+            (Some(at), _) => (Some(&text[..at]), &text[at + 1..]),
+            (None, Some((path, rest))) if !path.contains('=') => (Some(path), rest),
+            (None, None) if !text.contains('=') => (Some(text), ""),
             _ => (None, text),
         };
         let mut pairs: Vec<(&str, &str)> = Vec::new();
-        for part in rest.split(',').filter(|part| !part.is_empty()) {
+        for part in parts(rest).into_iter().filter(|part| !part.is_empty()) {
             let wrong = |found: String| Error::invalid_option(text, found, format!("KEY=VALUE with KEY one of {KEYS}"));
             let (key, value) = part.split_once('=').ok_or_else(|| wrong(format!("'{part}'")))?;
             if !KEYS.split(", ").any(|known| known == key) || value.is_empty() {
@@ -71,7 +75,7 @@ impl Chain {
                     let expected = "name and container only, for the folder's manifest says the rest";
                     return Err(Error::invalid_option(text, format!("{key} beside a folder or file"), expected));
                 }
-                Self::at(Path::new(path), container, name)
+                Self::at(text, Path::new(path), container, name)
             }
             None if container.is_some() => {
                 Err(Error::invalid_option(text, "a container without a folder", "FOLDER,container=png|exr|lobes"))
@@ -79,18 +83,20 @@ impl Chain {
             None => {
                 let inputs = maps(text, &pairs, reading)?;
                 let name = name.unwrap_or_else(|| inputs.name.clone());
-                Ok(Self { name: name.clone(), source: Source::Maps(Box::new(Inputs { name, ..inputs })) })
+                let source = Source::Maps(Box::new(Inputs { name: name.clone(), ..inputs }));
+                Ok(Self { name, text: text.into(), source })
             }
         }
     }
 
     /// A folder or a lobes file.
-    fn at(path: &Path, container: Option<Container>, name: Option<String>) -> Result<Self> {
+    fn at(text: &str, path: &Path, container: Option<Container>, name: Option<String>) -> Result<Self> {
         let whole = path.canonicalize().map_err(|_| Error::invalid(path, "no such folder or file", EXPECTED))?;
         let own = |name: Option<&std::ffi::OsStr>| name.unwrap_or_default().to_string_lossy().into_owned();
         if whole.is_dir() {
-            let name = name.unwrap_or_else(|| own(whole.file_name()));
-            return Ok(Self { name, source: Source::Folder(path.to_owned(), container) });
+            let asked = container.map(|container| format!(" ({})", container.name())).unwrap_or_default();
+            let name = name.unwrap_or_else(|| own(whole.file_name()) + &asked);
+            return Ok(Self { name, text: text.into(), source: Source::Folder(path.to_owned(), container) });
         }
         if !path.extension().is_some_and(|e| e.eq_ignore_ascii_case("exr")) {
             return Err(Error::invalid(path, "a single file", EXPECTED));
@@ -98,7 +104,8 @@ impl Chain {
         if container.is_some() {
             return Err(Error::invalid(path, "a container of a single file", "FOLDER,container=png|exr|lobes"));
         }
-        Ok(Self { name: name.unwrap_or_else(|| own(path.file_stem())), source: Source::Lobes(path.to_owned()) })
+        let name = name.unwrap_or_else(|| own(path.file_stem()));
+        Ok(Self { name, text: text.into(), source: Source::Lobes(path.to_owned()) })
     }
 
     /// Reads all levels.
@@ -109,6 +116,18 @@ impl Chain {
             Source::Maps(inputs) => read_maps(inputs),
         }
     }
+}
+
+/// Parts between commas; one without `=` belongs to the path before it, which then has a comma in it.
+fn parts(text: &str) -> Vec<&str> {
+    let mut cuts = vec![0];
+    for (at, _) in text.match_indices(',') {
+        if text[at + 1..].split(',').next().is_some_and(|part| part.is_empty() || part.contains('=')) {
+            cuts.push(at + 1);
+        }
+    }
+    let ends = cuts.iter().skip(1).map(|cut| cut - 1).chain([text.len()]);
+    cuts.iter().zip(ends).map(|(&from, to)| &text[from..to]).collect()
 }
 
 /// Maps by keys.
@@ -124,11 +143,12 @@ fn maps(text: &str, pairs: &[(&str, &str)], reading: &ReadingArgs) -> Result<Inp
     let mut widths = 0;
     for &(key, value) in pairs {
         let wrong = |expected: &str| Error::invalid_option(text, format!("{key}={value}"), expected);
+        let subject = || format!("{key}={value} in {text}");
         match key {
             "normal" => set.normal = Some(value.into()),
             "anisotropy" => set.anisotropy = Some(value.into()),
-            "roughness" => set.roughness = inputs::roughness(value)?,
-            "smoothness" => set.roughness = inputs::smoothness(value)?,
+            "roughness" => set.roughness = inputs::roughness(&subject(), value)?,
+            "smoothness" => set.roughness = inputs::smoothness(&subject(), value)?,
             "orm" => {
                 set.roughness = RoughnessInput::Roughness(ChannelRef { path: value.into(), channel: Some(1) });
             }
@@ -161,6 +181,7 @@ fn default_name(set: &Inputs) -> String {
     };
     let first = set.normal.as_ref().or(width);
     let stem = first.and_then(|path| path.file_stem()).unwrap_or_default().to_string_lossy();
-    let stem = stem.split('%').next().unwrap_or_default().trim_end_matches(|c: char| !c.is_alphanumeric());
+    let stem = stem.rsplit_once('%').map_or(&*stem, |(stem, _)| stem).replace("%%", "%");
+    let stem = stem.trim_end_matches(|c: char| !c.is_alphanumeric());
     if stem.is_empty() { "chain".into() } else { stem.into() }
 }

@@ -6,7 +6,7 @@ use super::args::{Global, LobesArg};
 use super::chains::{Chain, Source};
 use super::compare_args::{CompareArgs, FoldChoice};
 use super::inputs::{folder, read_as, single};
-use super::judging::{Judging, REPORT_FILES, is_report};
+use super::judging::{self, Judging, REPORT_FILES, may_report};
 use super::report::Report;
 use super::table::table;
 use crate::compare::{Candidate, Limit, Settings};
@@ -14,24 +14,25 @@ use crate::error::{Error, Result};
 use crate::fold::{self, DEFAULT_FOLD, FOLDS, Fold, Options};
 use crate::material::{Earlier, LevelChain, Material, Texels, base_lobes, load, read_folder};
 use crate::ndf::{Form, Lobes};
-use crate::output::{Stage, may_write};
-use crate::report::{json, verdict};
+use crate::output::Stage;
+use crate::report::{ChainAbout, verdict};
 
 /// Name of the baseline.
 const PLAIN: &str = "plain mips";
+/// Where it comes from.
+pub const PLAIN_SOURCE: &str = "averaged from the surface, as engines do";
 
 pub fn run(args: &CompareArgs, global: &Global, report: &mut Report) -> Result<()> {
     let chains = args.chains.iter().map(|text| Chain::parse(text, &args.reading)).collect::<Result<Vec<_>>>()?;
     if let Some(folder) = &args.output {
-        may_write(folder, REPORT_FILES, global.force || is_report(folder))?;
+        may_report(folder, global.force)?;
     }
     report.progress.set_message("reading");
     let read = chains.par_iter().with_max_len(1).map(Chain::read).collect::<Result<Vec<_>>>()?;
     let (material, base_note) = base(args, &chains, &read)?;
     let settings = args.looking.settings(material.size, &args.reading)?;
-    check_limits(&args.limit, &material, &settings)?;
     say_base(&material, &base_note, report);
-    let mut candidates = Vec::new();
+    let (mut candidates, mut about) = (Vec::new(), Vec::new());
     for (chain, read) in chains.iter().zip(read) {
         let size = read.levels[0].size();
         if size != material.size {
@@ -39,18 +40,29 @@ pub fn run(args: &CompareArgs, global: &Global, report: &mut Report) -> Result<(
             return Err(Error::invalid_option(&chain.name, format!("level 0 of {size} texels"), expected));
         }
         say_chain(chain, &read, &base_note, report);
+        about.push(ChainAbout {
+            source: chain.text.clone(),
+            container: read.container.map(|container| container.name()),
+            notes: read.level_0.notes,
+            warnings: read.level_0.warnings,
+        });
         candidates.push(Candidate { name: chain.name.clone(), fold: read.fold, levels: read.levels });
     }
     let folds = folds(args, &material)?;
     candidates.extend(folds.into_iter().map(|(fold, form)| folded(fold.name, &material, fold, form)));
+    let of_surface = |source: &str| ChainAbout { source: source.into(), ..ChainAbout::default() };
+    about.resize(candidates.len(), of_surface("folded from the surface"));
+    check_limits(&args.limit, &candidates, &settings)?;
     let plain = (!args.no_plain).then_some(candidates.len());
     if !args.no_plain {
         candidates.push(plain_mips(&material)?);
+        about.push(of_surface(PLAIN_SOURCE));
     }
     distinct_names(&mut candidates);
     let judging = Judging {
         material: &material,
         candidates: &candidates,
+        about: &about,
         plain,
         settings: &settings,
         limits: &args.limit,
@@ -60,20 +72,20 @@ pub fn run(args: &CompareArgs, global: &Global, report: &mut Report) -> Result<(
         judging.announce(args.output.as_deref(), report);
         return Ok(());
     }
-    judging.run(report, |findings, report| {
-        let score = &findings.subject.judgement.chains;
-        score.iter().for_each(|chain| report.say(&table(chain)));
-        report.say(&verdict(&findings.subject).text);
-        report.document(json(&findings.subject));
-        if let Some(folder) = &args.output {
-            let stage = Stage::new(folder)?;
-            findings.write(&stage, report)?;
-            stage.commit(REPORT_FILES[0], &[])?;
-            report.say(&format!("wrote {} to {}", REPORT_FILES.join(", "), folder.display()));
-        }
-        findings.failures().iter().for_each(|line| report.failure(line));
-        Ok(())
-    })
+    let findings = judging.run(report)?;
+    let subject = judging.subject(&findings);
+    subject.judgement.chains.iter().for_each(|chain| report.say(&table(chain)));
+    report.say(&verdict(&subject).text);
+    report.document(crate::report::json(&subject));
+    if let Some(folder) = &args.output {
+        let texts = judging::texts(&subject, report)?;
+        let stage = Stage::new(folder)?;
+        judging::write(&texts, &stage)?;
+        stage.commit(REPORT_FILES[0], &[])?;
+        report.say(&format!("wrote {} to {}", REPORT_FILES.join(", "), folder.display()));
+    }
+    judging::failures(&subject).iter().for_each(|line| report.failure(line));
+    Ok(())
 }
 
 /// The surface that is judged against, and where it comes from.
@@ -95,8 +107,7 @@ fn base(args: &CompareArgs, chains: &[Chain], read: &[LevelChain]) -> Result<(Ma
             _ => Err(Error::invalid(
                 path,
                 format!("{count} materials: {names}"),
-                "one; name its maps with --normal and \
-                                                                                 --roughness, or its folder",
+                "one; name its maps with --normal and --roughness, or its folder",
             )),
         };
     }
@@ -135,16 +146,25 @@ fn say_chain(chain: &Chain, read: &LevelChain, base: &str, report: &Report) {
     }
 }
 
-/// A limit of levels that nobody looks at would never fail.
-fn check_limits(limits: &[Limit], material: &Material, settings: &Settings) -> Result<()> {
-    let all: Vec<usize> = (0..material.size.level_count()).collect();
-    let judged = if settings.levels.is_empty() { &all } else { &settings.levels };
-    let Some(limit) = limits.iter().find(|limit| !judged.iter().any(|level| limit.covers(*level))) else {
-        return Ok(());
-    };
-    let found = limit.levels.as_ref().map_or_else(String::new, |levels| format!("level {}", levels.start()));
-    let levels = judged.iter().map(usize::to_string).collect::<Vec<_>>().join(", ");
-    Err(Error::invalid_option(format!("--limit {}", limit.metric.name), found, format!("a judged level: {levels}")))
+/// A limit that covers no level which is judged would never fail, and a chain without one would pass unseen.
+fn check_limits(limits: &[Limit], chains: &[Candidate], settings: &Settings) -> Result<()> {
+    for chain in chains {
+        let (name, last) = (&chain.name, chain.levels.len() - 1);
+        let judged: Vec<usize> =
+            (0..=last).filter(|k| settings.levels.is_empty() || settings.levels.contains(k)).collect();
+        if judged.is_empty() {
+            let wanted = settings.levels.iter().map(usize::to_string).collect::<Vec<_>>().join(", ");
+            let found = format!("levels 0 to {last}, of which none is judged");
+            return Err(Error::invalid_option(name, found, format!("one of --levels {wanted}")));
+        }
+        if let Some(limit) = limits.iter().find(|limit| !judged.iter().any(|level| limit.covers(*level))) {
+            let found = format!("no judged level of '{name}' that it covers");
+            let judged = judged.iter().map(usize::to_string).collect::<Vec<_>>().join(", ");
+            let expected = format!("a level that is judged: {judged} ('{name}' has levels 0 to {last})");
+            return Err(Error::invalid_option(format!("--limit {limit}"), found, expected));
+        }
+    }
+    Ok(())
 }
 
 /// The folds to judge, each with its number of widths.
@@ -168,6 +188,10 @@ fn folds(args: &CompareArgs, material: &Material) -> Result<Vec<(&'static Fold, 
             // Plain mips are the same, and judged anyway.
             FoldChoice::All => FOLDS.iter().filter(|f| args.no_plain || f.name != average.name).for_each(&mut add),
         }
+    }
+    if folds.is_empty() && args.lobes.is_some() && !args.chains.is_empty() {
+        let expected = "--fold NAME beside it, whose widths it says; those of a CHAIN are its own";
+        return Err(Error::invalid_option("--lobes", "no --fold", expected));
     }
     if folds.is_empty() && args.chains.is_empty() {
         folds.push(DEFAULT_FOLD);

@@ -1,12 +1,13 @@
 //! The words of `mipfold compare`.
 
+use std::ops::RangeInclusive;
 use std::path::PathBuf;
 use std::str::FromStr;
 
 use clap::{Args, ValueEnum};
 
 use super::args::{LobesArg, MapArgs, ReadingArgs, fold_list, fold_name};
-use crate::compare::{Limit, Metric, Settings};
+use crate::compare::{Limit, Metric, Settings, level_range};
 use crate::error::{Error, Result};
 use crate::fold::Fold;
 use crate::image::Size;
@@ -23,9 +24,12 @@ fn after_help() -> String {
         "CHAIN is one of\n  \
            FOLDER             that `mipfold build` wrote; FOLDER,container=png|exr|lobes chooses among what is there\n  \
            NAME_lobes.exr     that `mipfold build --format exr` wrote\n  \
-           KEY=VALUE,...      normal=n_%d.png,roughness=orm_%d.png:g for one file a level (from 0 on), or\n                     \
-                              normal=n.exr,roughness=r.exr:r for mip-mapped OpenEXR. Keys: normal, roughness (a number\n                     \
-                              too), smoothness, orm, anisotropy, normal-y, normal-z, normal-range, normal-scale, name\n\n\
+           KEY=VALUE,...      maps: normal=n_%d.png,roughness=orm_%d.png:g has one file a level, from 0 on;\n                     \
+                              normal=n.exr,roughness=r.exr:r are mip-mapped OpenEXR files\n\n\
+         Levels are written %d, or %02d with leading zeros; %% is a percent sign beside them.\n\
+         Keys of maps: normal, roughness (or a number), smoothness, orm, anisotropy, normal-y,\n\
+         normal-z, normal-range, normal-scale, name. Keys of a FOLDER: container, name.\n\
+         A path may hold commas, but no = after one.\n\n\
          Metrics for --limit:\n{}\n\n{}",
         metrics.collect::<Vec<_>>().join("\n"),
         fold_list()
@@ -38,13 +42,15 @@ pub struct CompareArgs {
     /// Mip chains to judge, side by side; what a chain may be is said below
     #[arg(value_name = "CHAIN")]
     pub chains: Vec<String>,
-    /// Folder with the texture set of level 0, found as `build` finds it [default: level 0 of the first chain]
+    /// Folder with the texture set of level 0, found as `build` finds it [default: level 0 of the first FOLDER, or else of
+    /// the first chain]
     #[arg(long, value_name = "FOLDER", conflicts_with_all = ["normal", "orm", "height", "anisotropy"])]
     pub base: Option<PathBuf>,
     /// Judge these folds of level 0 as well: names separated by commas, or all [default, without CHAIN: projected]
     #[arg(long, value_name = "NAME", value_delimiter = ',', value_parser = fold_choice)]
     pub fold: Vec<FoldChoice>,
-    /// Widths of the lobes of --fold: iso or aniso [default: iso, or aniso if there is an anisotropy map]
+    /// Widths of the lobes of --fold: iso or aniso; chains keep theirs [default: iso, or aniso if there is an anisotropy
+    /// map]
     #[arg(long, value_enum)]
     pub lobes: Option<LobesArg>,
     /// Leave out the baseline: plain mips of level 0
@@ -117,11 +123,11 @@ fn texels(text: &str) -> std::result::Result<usize, String> {
     }
 }
 
-/// Ranges of levels; without a last one they reach to 1x1.
+/// Ranges of levels.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LevelList {
     text: String,
-    ranges: Vec<(usize, Option<usize>)>,
+    ranges: Vec<RangeInclusive<usize>>,
 }
 
 impl FromStr for LevelList {
@@ -129,16 +135,7 @@ impl FromStr for LevelList {
 
     fn from_str(text: &str) -> std::result::Result<Self, String> {
         let expected = || format!("'{text}': expected levels, as 3, 1-6 or 1,4-");
-        let number = |text: &str| text.parse::<usize>().map_err(|_| expected());
-        let range = |part: &str| match part.split_once('-') {
-            None => number(part).map(|k| (k, Some(k))),
-            Some((first, "")) => Ok((number(first)?, None)),
-            Some((first, last)) => Ok((number(first)?, Some(number(last)?))),
-        };
-        let ranges = text.split(',').map(range).collect::<std::result::Result<Vec<_>, _>>()?;
-        if ranges.iter().any(|(first, last)| last.is_some_and(|last| last < *first)) {
-            return Err(expected());
-        }
+        let ranges = text.split(',').map(level_range).collect::<Option<Vec<_>>>().ok_or_else(expected)?;
         Ok(Self { text: text.into(), ranges })
     }
 }
@@ -147,9 +144,8 @@ impl LevelList {
     /// The levels of a texture that are listed, in order.
     fn of(&self, size: Size) -> Result<Vec<usize>> {
         let count = size.level_count();
-        let within =
-            |k: &usize| self.ranges.iter().any(|(first, last)| k >= first && last.is_none_or(|last| *k <= last));
-        if self.ranges.iter().any(|(first, _)| *first >= count) {
+        let within = |k: &usize| self.ranges.iter().any(|range| range.contains(k));
+        if self.ranges.iter().any(|range| *range.start() >= count) {
             let expected = format!("levels from 0 to {}, as {size} has", count - 1);
             return Err(Error::invalid_option("--levels", self.text.clone(), expected));
         }

@@ -3,9 +3,9 @@
 use std::path::Path;
 
 use super::args::{DemoArgs, Global};
-use super::compare::{levels, plain_mips};
+use super::compare::{PLAIN_SOURCE, levels, plain_mips};
 use super::job::{Done, Job};
-use super::judging::{Judging, REPORT_FILES, is_report};
+use super::judging::{self, Judging, REPORT_FILES, may_report};
 use super::report::Report;
 use crate::codec::{decode, write_png};
 use crate::compare::{Candidate, Settings};
@@ -16,7 +16,7 @@ use crate::material::{ChannelRef, Earlier, Inputs, RoughnessInput};
 use crate::output::{Format, Request, Stage, may_write};
 use crate::reference::Reading;
 use crate::render::{DISTANCES, Scene, distance_strip};
-use crate::report::verdict;
+use crate::report::{ChainAbout, verdict};
 use crate::sample::{SAMPLES, Sample, by_name};
 
 /// Pixels along each side of a cell of the picture.
@@ -59,7 +59,7 @@ fn one(sample: &Sample, args: &DemoArgs, options: &Options, global: &Global, rep
     // A folder whose chain is ours is ours.
     let force = global.force || Earlier::read(&folder.join("mips")).is_some();
     may_write(&folder, ["normal.png", "orm.png", "distance.png"], force)?;
-    may_write(&folder, REPORT_FILES, global.force || is_report(&folder))?;
+    may_report(&folder, global.force)?;
     let maps = (sample.make)(usize::from(args.size), args.seed);
     if !global.dry_run {
         write_pictures(&folder, &[("normal.png", &maps.normal), ("orm.png", &maps.orm)])?;
@@ -94,25 +94,28 @@ fn one(sample: &Sample, args: &DemoArgs, options: &Options, global: &Global, rep
         report.progress.set_message("drawing near to far");
         let rows = [("plain mips", &candidates[1].levels[..]), ("folded", &candidates[0].levels[..])];
         let strip = distance_strip(&Scene::studio(), &rows, CELL, &DISTANCES);
+        let chain = |source: &str| ChainAbout { source: source.into(), ..ChainAbout::default() };
+        let about = [chain("folded from the surface, as mips holds it"), chain(PLAIN_SOURCE)];
         let judging = Judging {
             material: &material,
             candidates: &candidates,
+            about: &about,
             plain: Some(1),
             settings: &quick(),
             limits: &[],
             motion: false,
         };
-        judging.run(report, |findings, report| {
-            let stage = Stage::new(&folder)?;
-            stage.write("distance.png", |out| write_png(out, &strip))?;
-            findings.write(&stage, report)?;
-            stage.commit(REPORT_FILES[0], &[])?;
-            let path = |name: &str| folder.join(name).display().to_string();
-            report.say(&format!("  from near to far, plain mips, folded and truth: {}", path("distance.png")));
-            report.say(&format!("  judged quickly: {}", path("report.html")));
-            report.say(&format!("  {}", verdict(&findings.subject).text));
-            Ok(())
-        })?;
+        let findings = judging.run(report)?;
+        let subject = judging.subject(&findings);
+        let texts = judging::texts(&subject, report)?;
+        let stage = Stage::new(&folder)?;
+        stage.write("distance.png", |out| write_png(out, &strip))?;
+        judging::write(&texts, &stage)?;
+        stage.commit(REPORT_FILES[0], &[])?;
+        let path = |name: &str| folder.join(name).display().to_string();
+        report.say(&format!("  from near to far, plain mips, folded and truth: {}", path("distance.png")));
+        report.say(&format!("  judged quickly: {}", path("report.html")));
+        report.say(&format!("  {}", verdict(&subject).text));
     }
     Ok(())
 }

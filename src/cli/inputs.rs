@@ -26,8 +26,8 @@ pub fn read_as(set: Inputs, maps: &MapArgs, reading: &ReadingArgs) -> Result<Inp
 fn given_width(maps: &MapArgs) -> Result<RoughnessInput> {
     let orm = maps.orm.as_ref().map(|path| ChannelRef { path: path.clone(), channel: Some(1) });
     Ok(match (&maps.roughness, &maps.gloss, orm) {
-        (Some(text), _, _) => roughness(text)?,
-        (_, Some(text), _) => smoothness(text)?,
+        (Some(text), _, _) => roughness("--roughness", text)?,
+        (_, Some(text), _) => smoothness("--gloss", text)?,
         (_, _, Some(orm)) => RoughnessInput::Roughness(orm),
         _ => RoughnessInput::Missing,
     })
@@ -54,20 +54,20 @@ pub fn single(maps: &MapArgs, reading: &ReadingArgs, command: &str) -> Result<In
     })
 }
 
-/// A number, or a channel of a file.
-pub fn roughness(text: &str) -> Result<RoughnessInput> {
+/// A number, or a channel of a file; `subject` is what gave it.
+pub fn roughness(subject: &str, text: &str) -> Result<RoughnessInput> {
     match text.parse::<f32>() {
         Ok(r) if (0.0..=1.0).contains(&r) => Ok(RoughnessInput::Constant(PerceptualRoughness(r))),
-        Ok(r) => Err(Error::invalid_option("--roughness", r.to_string(), "a number from 0 to 1, or a file")),
+        Ok(r) => Err(Error::invalid_option(subject, r.to_string(), "a number from 0 to 1, or a file")),
         Err(_) => Ok(RoughnessInput::Roughness(ChannelRef::parse(text))),
     }
 }
 
 /// The same, for gloss.
-pub fn smoothness(text: &str) -> Result<RoughnessInput> {
+pub fn smoothness(subject: &str, text: &str) -> Result<RoughnessInput> {
     match text.parse::<f32>() {
         Ok(s) if (0.0..=1.0).contains(&s) => Ok(RoughnessInput::Constant(PerceptualRoughness::from_smoothness(s))),
-        Ok(s) => Err(Error::invalid_option("--gloss", s.to_string(), "a number from 0 to 1, or a file")),
+        Ok(s) => Err(Error::invalid_option(subject, s.to_string(), "a number from 0 to 1, or a file")),
         Err(_) => Ok(RoughnessInput::Smoothness(ChannelRef::parse(text))),
     }
 }

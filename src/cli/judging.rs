@@ -1,31 +1,56 @@
 //! The way from chains to findings, for `compare` and `demo`.
 
+use std::io::Write;
 use std::path::Path;
 
 use super::report::Report;
-use crate::compare::{Candidate, ChainScore, Limit, Settings, judge};
+use crate::compare::{Candidate, ChainScore, Judgement, Limit, Settings, judge};
 use crate::error::Result;
 use crate::material::{GENERATOR, Material};
-use crate::output::Stage;
-use crate::report::{self, Subject};
+use crate::output::{Stage, may_write};
+use crate::report::{self, CSV_MARK, ChainAbout, HTML_MARK, Motion, Subject};
 
-/// The files of a report; the first marks a folder as ours.
+/// The files of a report; the first is written last.
 pub const REPORT_FILES: [&str; 3] = ["report.json", "report.csv", "report.html"];
 
-/// Whether a report of ours lies in a folder.
-pub fn is_report(folder: &Path) -> bool {
-    let text = std::fs::read(folder.join(REPORT_FILES[0])).unwrap_or_default();
-    serde_json::from_slice::<serde_json::Value>(&text).is_ok_and(|report| report["generator"] == GENERATOR)
+/// Whether a report may be written into a folder: over earlier reports of ours, but over no other file without `force`.
+///
+/// # Errors
+/// As [`may_write`].
+pub fn may_report(folder: &Path, force: bool) -> Result<()> {
+    let strange = REPORT_FILES.into_iter().filter(|name| !is_ours(&folder.join(name)));
+    may_write(folder, strange, force)
+}
+
+/// Whether a file is part of a report of ours.
+fn is_ours(file: &Path) -> bool {
+    let text = std::fs::read(file).unwrap_or_default();
+    match file.extension().and_then(|e| e.to_str()) {
+        Some("json") => {
+            serde_json::from_slice::<serde_json::Value>(&text).is_ok_and(|report| report["generator"] == GENERATOR)
+        }
+        Some("csv") => text.starts_with(CSV_MARK.as_bytes()),
+        _ => text.windows(HTML_MARK.len()).any(|part| part == HTML_MARK.as_bytes()),
+    }
 }
 
 /// What is to be judged.
 pub struct Judging<'a> {
     pub material: &'a Material,
     pub candidates: &'a [Candidate],
+    /// One for each candidate.
+    pub about: &'a [ChainAbout],
     pub plain: Option<usize>,
     pub settings: &'a Settings,
     pub limits: &'a [Limit],
     pub motion: bool,
+}
+
+/// What the judge found.
+pub struct Findings {
+    judgement: Judgement,
+    motion: Vec<Motion>,
+    command: String,
 }
 
 impl Judging<'_> {
@@ -36,8 +61,13 @@ impl Judging<'_> {
         let files: Vec<String> =
             output.map_or_else(Vec::new, |folder| REPORT_FILES.map(|f| folder.join(f).display().to_string()).to_vec());
         files.iter().for_each(|file| report.say(&format!("would write {file}")));
-        let about = |chain: &Candidate| serde_json::json!({ "name": chain.name, "fold": chain.fold, "levels": chain.levels.len() });
-        let chains: Vec<_> = self.candidates.iter().map(about).collect();
+        let about = |(chain, about): (&Candidate, &ChainAbout)| {
+            serde_json::json!({
+                "name": chain.name, "fold": chain.fold, "levels": chain.levels.len(), "source": about.source,
+                "container": about.container, "notes": about.notes, "warnings": about.warnings,
+            })
+        };
+        let chains: Vec<_> = self.candidates.iter().zip(self.about).map(about).collect();
         let object = serde_json::json!({
             "schema": 1, "dry_run": true, "material": self.material.name, "size": self.material.size,
             "settings": self.settings, "chains": chains, "files": files,
@@ -45,72 +75,64 @@ impl Judging<'_> {
         report.document(serde_json::to_string_pretty(&object).expect("plain data"));
     }
 
-    /// Judges, and hands the findings on.
-    pub fn run(&self, report: &mut Report, then: impl FnOnce(&Findings, &mut Report) -> Result<()>) -> Result<()> {
+    /// Judges, and draws what moves.
+    pub fn run(&self, report: &Report) -> Result<Findings> {
         report.progress.set_message(format!("judging {}", self.material.name));
-        let judgement = {
+        let bar = report.portion();
+        let judgement = judge(self.material, self.candidates, self.settings, &|share| bar.show(share))?;
+        let mut motion = Vec::new();
+        if self.motion {
+            report.progress.set_message(format!("drawing {} in motion", self.material.name));
             let bar = report.portion();
-            judge(self.material, self.candidates, self.settings, &|share| bar.show(share))?
-        };
-        let command = command();
-        let subject = |motion| Subject {
+            motion = report::motion(self.material, self.candidates, &|share| bar.show(share));
+        }
+        Ok(Findings { judgement, motion, command: command() })
+    }
+
+    /// What the reports tell of.
+    pub fn subject<'a>(&'a self, findings: &'a Findings) -> Subject<'a> {
+        Subject {
             material: self.material,
             chains: self.candidates,
-            judgement: &judgement,
+            about: self.about,
+            judgement: &findings.judgement,
             plain: self.plain,
             limits: self.limits,
             settings: self.settings,
-            command: &command,
-            motion,
-        };
-        let moving = if self.motion {
-            report.progress.set_message(format!("drawing {} in motion", self.material.name));
-            let bar = report.portion();
-            report::motion(self.material, self.candidates, &|share| bar.show(share))
-        } else {
-            Vec::new()
-        };
-        let findings = Findings { subject: subject(&moving) };
-        then(&findings, report)
-    }
-}
-
-/// What the judge found, ready to be told.
-pub struct Findings<'a> {
-    pub subject: Subject<'a>,
-}
-
-impl Findings<'_> {
-    /// The files of the report.
-    pub fn write(&self, stage: &Stage, told: &Report) -> Result<()> {
-        let subject = &self.subject;
-        told.progress.set_message(format!("drawing the report of {}", subject.material.name));
-        let bar = told.portion();
-        let texts = [report::json(subject), report::csv(subject), report::page(subject, &|share| bar.show(share))?];
-        for (name, text) in REPORT_FILES.iter().zip(texts) {
-            stage.write(name, |out| std::io::Write::write_all(out, text.as_bytes()))?;
+            command: &findings.command,
+            motion: &findings.motion,
         }
-        Ok(())
     }
+}
 
-    /// One line for each chain past a limit, but for plain mips.
-    pub fn failures(&self) -> Vec<String> {
-        let Subject { judgement, plain, limits, .. } = &self.subject;
-        let held = judgement.chains.iter().enumerate().filter(|(i, _)| Some(*i) != *plain);
-        let line = |(_, chain): (usize, &ChainScore)| {
-            let breaches = chain.breaches(limits);
-            let worst = breaches.first()?;
-            let mut others: Vec<usize> = breaches.iter().map(|b| b.level).filter(|k| *k != worst.level).collect();
-            others.sort_unstable();
-            others.dedup();
-            Some(match others.len() {
-                0 => worst.to_string(),
-                1 => format!("{worst}; 1 more level fails"),
-                n => format!("{worst}; {n} more levels fail"),
-            })
-        };
-        held.filter_map(line).collect()
-    }
+/// The texts of [`REPORT_FILES`]. They are made before anything is written, so that who interrupts leaves no trace.
+pub fn texts(subject: &Subject, told: &Report) -> Result<[String; 3]> {
+    told.progress.set_message(format!("drawing the report of {}", subject.material.name));
+    let bar = told.portion();
+    Ok([report::json(subject), report::csv(subject), report::page(subject, &|share| bar.show(share))?])
+}
+
+/// Writes them.
+pub fn write(texts: &[String; 3], stage: &Stage) -> Result<()> {
+    REPORT_FILES.iter().zip(texts).try_for_each(|(name, text)| stage.write(name, |out| out.write_all(text.as_bytes())))
+}
+
+/// One line for each chain past a limit, but for plain mips.
+pub fn failures(subject: &Subject) -> Vec<String> {
+    let held = subject.judgement.chains.iter().enumerate().filter(|(i, _)| Some(*i) != subject.plain);
+    let line = |(_, chain): (usize, &ChainScore)| {
+        let breaches = chain.breaches(subject.limits);
+        let worst = breaches.first()?;
+        let mut others: Vec<usize> = breaches.iter().map(|b| b.level).filter(|k| *k != worst.level).collect();
+        others.sort_unstable();
+        others.dedup();
+        Some(match others.len() {
+            0 => worst.to_string(),
+            1 => format!("{worst}; 1 more level fails"),
+            n => format!("{worst}; {n} more levels fail"),
+        })
+    };
+    held.filter_map(line).collect()
 }
 
 /// The command line, to be pasted.

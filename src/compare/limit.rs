@@ -99,20 +99,36 @@ impl FromStr for Limit {
         let (name, levels) = what.split_once('@').map_or((what, None), |(name, levels)| (name, Some(levels)));
         let name = if name.is_empty() { Metric::ALL[0].name } else { name };
         let metric = *Metric::ALL.iter().find(|metric| metric.name == name).ok_or_else(expected)?;
-        let levels = levels.map(level_range).transpose().map_err(|()| expected())?;
+        let levels = levels.map(|levels| level_range(levels).ok_or_else(expected)).transpose()?;
         let most = most.parse().ok().filter(|most: &f64| *most >= 0.0 && most.is_finite()).ok_or_else(expected)?;
         Ok(Self { metric, levels, most })
     }
 }
 
-/// `3`, `1-4`, `2-`.
-fn level_range(text: &str) -> Result<RangeInclusive<usize>, ()> {
-    let number = |text: &str| text.parse::<usize>().map_err(|_| ());
-    match text.split_once('-') {
-        None => number(text).map(|k| k..=k),
-        Some((first, "")) => Ok(number(first)?..=usize::MAX),
-        Some((first, last)) => Ok(number(first)?..=number(last)?),
+/// As it is read.
+impl fmt::Display for Limit {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.metric.name)?;
+        if let Some(levels) = &self.levels {
+            match (levels.start(), levels.end()) {
+                (first, &usize::MAX) => write!(f, "@{first}-")?,
+                (first, last) if first == last => write!(f, "@{first}")?,
+                (first, last) => write!(f, "@{first}-{last}")?,
+            }
+        }
+        write!(f, "={}", self.most)
     }
+}
+
+/// `3`, `1-4`, or `2-`, which has no end. Nothing where it is none of these, or ends before it begins.
+pub(crate) fn level_range(text: &str) -> Option<RangeInclusive<usize>> {
+    let number = |text: &str| text.parse::<usize>().ok();
+    let (first, last) = match text.split_once('-') {
+        None => (number(text)?, number(text)?),
+        Some((first, "")) => (number(first)?, usize::MAX),
+        Some((first, last)) => (number(first)?, number(last)?),
+    };
+    (first <= last).then_some(first..=last)
 }
 
 /// A level past a limit.
@@ -194,8 +210,11 @@ mod tests {
         assert_eq!(read("energy@3=0"), ("energy", Some(3..=3), 0.0));
         assert_eq!(read("@1-4=1e-2"), ("lobe-error", Some(1..=4), 0.01));
         assert_eq!(read("diffuse-error@2-=2"), ("diffuse-error", Some(2..=usize::MAX), 2.0));
-        for wrong in ["", "x", "-1", "nan", "tv=1", "lobe-error@=1", "lobe-error@x=1", "lobe-error@1-2-3=1"] {
+        for wrong in ["", "x", "-1", "nan", "tv=1", "lobe-error@=1", "lobe-error@x=1", "lobe-error@1-2-3=1", "@4-1=1"] {
             assert!(wrong.parse::<Limit>().is_err(), "{wrong}");
+        }
+        for text in ["lobe-error=0.15", "energy@3=0", "ndf-tv@1-4=0.01", "diffuse-error@2-=2"] {
+            assert_eq!(text.parse::<Limit>().unwrap().to_string(), text);
         }
     }
 

@@ -43,6 +43,7 @@ mod tests;
 pub use flicker::{flicker, score_motion};
 pub use flip::flip;
 pub use judge::{Candidate, LOBES_A_LEVEL, Settings, judge, judge_one};
+pub(crate) use limit::level_range;
 pub use limit::{Breach, Limit, Metric};
 pub use measure::{LIGHT_RADIUS, VIEWS};
 pub use score::{ChainScore, Energy, Judgement, LevelScore, MotionScore, Place, Summary, WorstTexel};

@@ -26,6 +26,8 @@ pub struct LevelChain {
     pub level_0: Material,
     /// How it was folded, if the files say.
     pub fold: Option<String>,
+    /// Which of the containers of a build's folder was read.
+    pub container: Option<Container>,
 }
 
 /// The most levels that are looked for: the longest side that a picture may have is 2^30.
@@ -80,6 +82,10 @@ impl Files {
     /// By a pattern, or in one mip-mapped file.
     fn find(path: &Path) -> Result<Self> {
         let Some(file) = pattern(path) else {
+            if !path.is_file() && path.to_string_lossy().contains('%') {
+                let expected = "%d for the level, or %02d with leading zeros (%% for a percent sign beside it)";
+                return Err(Error::invalid(path, "no such file, and a % that stands for no level", expected));
+            }
             let pictures = codec::read_levels(path)?;
             let size = pictures[0].raster.size();
             if pictures.len() == 1 && size.level_count() > 1 {
@@ -108,17 +114,25 @@ impl Files {
     }
 }
 
-/// The file of a level, if a path is a pattern: `%d`, or `%02d` with leading zeros.
+/// The file of a level, if a path is a pattern: `%d`, or `%02d` with leading zeros. The last one counts, and beside it
+/// `%%` is a percent sign.
 fn pattern(path: &Path) -> Option<impl Fn(usize) -> PathBuf + use<>> {
     let text = path.to_str()?;
-    let (start, digits) = text.match_indices('%').find_map(|(at, _)| {
-        let digits: &str = text[at + 1..].split('d').next()?;
-        let whole = text[at + 1 + digits.len()..].starts_with('d');
-        let number = digits.chars().all(|c| c.is_ascii_digit()) && (digits.is_empty() || digits.starts_with('0'));
-        (whole && number && digits.len() <= 3).then_some((at, digits))
-    })?;
-    let width: usize = digits.parse().unwrap_or(0);
-    let (head, tail) = (text[..start].to_owned(), text[start + digits.len() + 2..].to_owned());
+    let (mut place, mut from) = (None, 0);
+    while let Some(at) = text[from..].find('%').map(|at| from + at) {
+        let rest = &text[at + 1..];
+        let digits = rest.len() - rest.trim_start_matches(|c: char| c.is_ascii_digit()).len();
+        let number = digits == 0 || (digits <= 3 && rest.starts_with('0'));
+        from = at + 1;
+        if rest.starts_with('%') {
+            from += 1;
+        } else if number && rest[digits..].starts_with('d') {
+            place = Some((at, digits));
+        }
+    }
+    let (at, digits) = place?;
+    let width: usize = text[at + 1..at + 1 + digits].parse().unwrap_or(0);
+    let (head, tail) = (text[..at].replace("%%", "%"), text[at + digits + 2..].replace("%%", "%"));
     Some(move |k: usize| PathBuf::from(format!("{head}{k:0width$}{tail}")))
 }
 
@@ -213,7 +227,7 @@ fn read(inputs: &Inputs, maps: &Maps) -> Result<LevelChain> {
         })?;
         levels.push(base_lobes(&material, form));
     }
-    Ok(LevelChain { levels, level_0, fold: None })
+    Ok(LevelChain { levels, level_0, fold: None, container: None })
 }
 
 /// The inputs with what level 0 has settled.

@@ -80,12 +80,17 @@ impl Stage {
     }
 }
 
-/// Whether files of these names may be written into a folder: nothing but a regular file stands in the way, and what
-/// is there is in the manifest of an earlier build, or `force` allows to replace it.
+/// Whether files of these names may be written into a folder: it is a folder or can be made, nothing but a regular file
+/// stands in the way, and what is there is in the manifest of an earlier build, or `force` allows to replace it.
 ///
 /// # Errors
 /// [`Error::Invalid`] that names the first file in the way.
 pub fn may_write<'a>(folder: &Path, names: impl IntoIterator<Item = &'a str>, force: bool) -> Result<()> {
+    if let Some(there) = folder.ancestors().find(|path| path.exists())
+        && !there.is_dir()
+    {
+        return Err(Error::invalid(there, "a file", "a folder; choose another -o"));
+    }
     let ours = Earlier::read(folder).unwrap_or_default();
     for name in names {
         let path = folder.join(name);

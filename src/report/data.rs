@@ -63,6 +63,10 @@ struct Chain<'a> {
     name: &'a str,
     fold: Option<&'a str>,
     lobes: Form,
+    source: Option<&'a str>,
+    container: Option<&'static str>,
+    notes: &'a [String],
+    warnings: &'a [String],
     levels: &'a [LevelScore],
     motion: Vec<&'a MotionScore>,
     pass: bool,
@@ -128,9 +132,10 @@ fn map(map: &MapFile) -> Map<'_> {
 ///   },
 ///   "settings": {"texels": 64, "directions": 80, "reading": {}, "levels": [], "seed": 1},
 ///   "limits": [{"metric": "lobe-error", "first": null, "last": null, "most": 0.15}],
-///   "plain": "plain",
+///   "plain": "plain mips",
 ///   "chains": [{
-///     "name": "mine", "fold": "ggx", "lobes": "isotropic",
+///     "name": "mine", "fold": "projected", "lobes": "isotropic",
+///     "source": "out", "container": "png", "notes": [], "warnings": [],
 ///     "levels": [{"level": 1, "width": 256, "height": 256, "samples": 64,
 ///                 "lobe_error": {"mean": 0.1, "median": 0.1, "p95": 0.2, "stderr": 0.01}}],
 ///     "motion": [{"motion": "zoom", "chain": "mine", "flip_mean": 0.1, "flip_p95": 0.3, "flicker": 0.2}],
@@ -138,12 +143,13 @@ fn map(map: &MapFile) -> Map<'_> {
 ///     "breaches": [{"level": 5, "metric": "lobe-error", "mean": 0.2, "stderr": 0.01, "most": 0.15, "text": ".."}]
 ///   }],
 ///   "pass": true,
-///   "verdict": {"matters": "yes", "text": "..", "level": 5, "ratio": 4.1},
+///   "verdict": {"matters": "yes", "text": "..", "level": 5, "chain": "mine", "ratio": 4.1},
 ///   "command": "mipfold compare .."
 /// }
 /// ```
 ///
 /// - `levels` of a chain hold every field of [`LevelScore`]; `motion` those of [`MotionScore`].
+/// - `source`, `container`, `notes` and `warnings` of a chain are [`ChainAbout`](super::ChainAbout)'s.
 /// - `path` or `generated` is `null`. `size` of a map is that of the file, before any resampling.
 /// - `first` and `last` of a limit are `null` where it has no such end.
 /// - `plain` names the chain of plain mips that was made for comparison; the top `pass` leaves it out.
@@ -163,10 +169,15 @@ pub fn json(subject: &Subject) -> String {
                 text: b.to_string(),
             })
             .collect();
+        let about = subject.about.get(i);
         Chain {
             name: &chain.name,
             fold: chain.fold.as_deref(),
             lobes: chain.lobes,
+            source: about.map(|about| about.source.as_str()),
+            container: about.and_then(|about| about.container),
+            notes: about.map_or(&[], |about| &about.notes),
+            warnings: about.map_or(&[], |about| &about.warnings),
             levels: &chain.levels,
             motion: subject.motion.iter().filter_map(|motion| motion.scores.get(i)).collect(),
             pass: breaches.is_empty(),
@@ -217,11 +228,14 @@ const SUMMARIES: [Column; 6] = [
     ("diffuse_error", |l| l.diffuse_error),
 ];
 
+/// What every CSV of ours begins with.
+pub const CSV_MARK: &str = "material,chain,fold,lobes,level,width,height,samples";
+
 /// One line for each level of each chain under one line of names, as RFC 4180 has it: lines end with CR LF. Every
 /// summary takes four columns (`_mean`, `_median`, `_p95`, `_stderr`); `within_limits` tells whether the level keeps
 /// all limits. New columns are added at the end.
 pub fn csv(subject: &Subject) -> String {
-    let mut out = String::from("material,chain,fold,lobes,level,width,height,samples");
+    let mut out = String::from(CSV_MARK);
     for (name, _) in SUMMARIES {
         write!(out, ",{name}_mean,{name}_median,{name}_p95,{name}_stderr").expect("strings grow");
     }

@@ -4,13 +4,16 @@ use ndarray::Array2;
 use rayon::prelude::*;
 
 use super::Subject;
-use super::pictures::{heat, png};
+use super::pictures::png;
 use super::verdict::{short, worst};
 use crate::compare::{LevelScore, Place};
 use crate::error::Result;
-use crate::image::spans;
-use crate::ndf::{Lobe, Lobes};
+use crate::image::{Size, spans};
+use crate::material::Texels;
+use crate::ndf::{Lobe, Lobes, RoughnessTensor};
 use crate::reference::{Footprint, Reading};
+use crate::render::heat;
+use crate::roughness::Alpha;
 
 /// Texels of a footprint that a picture shows, at most: more would not be seen.
 const MOST_TEXELS: usize = 2048;
@@ -90,16 +93,20 @@ impl Desk<'_> {
         let most = settings.reading.most_texels.unwrap_or(usize::MAX).min(MOST_TEXELS);
         let reading = Reading { most_texels: Some(most), ..settings.reading };
         let (centre, half) = window(self.base, self.lobes, place, lobe);
-        let truth = Footprint::of_texel(*material, reading, settings.seed, self.level, (place.x, place.y));
+        // Of a lobe narrower than a cell, cell centres would see a part or nothing.
+        let least = (2.0 * half / self.cells as f64) as f32;
+        let widened = Widened { texels: *material, least };
+        let truth = Footprint::of_texel(&widened, reading, settings.seed, self.level, (place.x, place.y));
         let truth = truth.disk(centre, half, self.cells);
-        let found = Footprint::of_lobes(&[(lobe, 1.0)]).disk(centre, half, self.cells);
+        let seen = Lobe { roughness: lobe.roughness.clamped(least * least, 1.0), ..lobe };
+        let found = Footprint::of_lobes(&[(seen, 1.0)]).disk(centre, half, self.cells);
         let peak = truth.iter().chain(&found).copied().filter(|d| d.is_finite()).fold(0.0, f64::max);
         if peak <= 0.0 {
             return None;
         }
         let paint = |density: &Array2<f64>| {
             let shade = |d: f64| (1.0 + (d / peak).max(1e-30).log10() / DECADES) as f32;
-            png(&heat(&density.mapv(shade)))
+            png(&heat(&density.mapv(shade), 1.0))
         };
         let axes = lobe.axes();
         let (wide, narrow) = (short(axes.alpha_x.0.into()), short(axes.alpha_y.0.into()));
@@ -114,6 +121,43 @@ impl Desk<'_> {
             figures: format!("lobe error {}, alpha {alpha}", short(error)),
             window: format!("x {}, y {}", span(centre.0), span(centre.1)),
         }))
+    }
+}
+
+/// A surface of which no lobe is narrower than `least` (alpha).
+struct Widened<'a> {
+    texels: &'a dyn Texels,
+    least: f32,
+}
+
+impl Texels for Widened<'_> {
+    fn size(&self) -> Size {
+        self.texels.size()
+    }
+
+    fn normals(&self, y: usize, x: usize, out: [&mut [f32]; 3], coverage: &mut [f32]) {
+        self.texels.normals(y, x, out, coverage);
+    }
+
+    fn perceptual(&self, y: usize, x: usize, out: &mut [f32]) {
+        self.texels.perceptual(y, x, out);
+        // Tensors are derived from these, and widened by themselves.
+        if !self.is_anisotropic() {
+            let least = Alpha(self.least).perceptual().0;
+            out.iter_mut().for_each(|r| *r = r.max(least));
+        }
+    }
+
+    fn is_anisotropic(&self) -> bool {
+        self.texels.is_anisotropic()
+    }
+
+    fn tensors(&self, y: usize, x: usize, perceptual: &[f32], [xx, xy, yy]: [&mut [f32]; 3]) {
+        self.texels.tensors(y, x, perceptual, [&mut *xx, &mut *xy, &mut *yy]);
+        for ((xx, xy), yy) in xx.iter_mut().zip(xy).zip(yy) {
+            let wide = RoughnessTensor { xx: *xx, xy: *xy, yy: *yy }.clamped(self.least * self.least, 1.0);
+            (*xx, *xy, *yy) = (wide.xx, wide.xy, wide.yy);
+        }
     }
 }
 
@@ -144,4 +188,45 @@ fn window(base: &Lobes, level: &Lobes, place: Place, lobe: Lobe) -> ((f64, f64),
     let half = reach.clamp(0.02, 1.0);
     let inside = |c: f64| c.clamp(half - 1.0, 1.0 - half);
     ((inside(cx), inside(cy)), half)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::reference::Interpolation;
+    use glam::Vec3;
+
+    /// 4 x 4 texels that lean to two sides, of alpha 0.0025.
+    struct Mirrors;
+
+    impl Texels for Mirrors {
+        fn size(&self) -> Size {
+            Size::new(4, 4)
+        }
+
+        fn normals(&self, _: usize, x: usize, [nx, ny, nz]: [&mut [f32]; 3], coverage: &mut [f32]) {
+            for i in 0..nx.len() {
+                let n = Vec3::new(if (x + i).is_multiple_of(2) { 0.5013 } else { -0.3007 }, 0.111, 1.0).normalize();
+                (nx[i], ny[i], nz[i], coverage[i]) = (n.x, n.y, n.z, 1.0);
+            }
+        }
+
+        fn perceptual(&self, _: usize, _: usize, out: &mut [f32]) {
+            out.fill(0.05);
+        }
+    }
+
+    /// Over all cells the density makes 1, wherever the lobes fall between the centres of cells.
+    #[test]
+    fn narrow_lobes_are_seen_whole() {
+        const CELLS: usize = 48;
+        let cell = 2.0 / CELLS as f64;
+        let sum = |texels: &dyn Texels| {
+            let reading = Reading { interpolation: Interpolation::Constant, ..Reading::default() };
+            Footprint::of_texel(texels, reading, 1, 2, (0, 0)).disk((0.0, 0.0), 1.0, CELLS).sum() * cell * cell
+        };
+        let widened = sum(&Widened { texels: &Mirrors, least: cell as f32 });
+        assert!((widened - 1.0).abs() < 0.05, "{widened}");
+        assert!((sum(&Mirrors) - 1.0).abs() > 0.3, "{}", sum(&Mirrors));
+    }
 }

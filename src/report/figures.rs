@@ -53,6 +53,8 @@ pub(super) struct SummaryRow {
     /// Of the largest error in the table, percent.
     pub share: f64,
     pub mean: String,
+    /// Lobe error of level 0, which should be 0.
+    pub first: String,
     pub limits: String,
     /// "pass", "fail" or "none".
     pub mark: &'static str,
@@ -78,7 +80,7 @@ pub(super) fn summary(subject: &Subject) -> Vec<SummaryRow> {
             (format!("\u{2717} fail, {breaches} {}", if breaches == 1 { "place" } else { "places" }), "fail")
         };
         SummaryRow {
-            swatch: styles[i].swatch(&format!("swatch-{i}"), &chain.name),
+            swatch: styles[i].swatch(),
             name: chain.name.clone(),
             fold: chain.fold.clone().unwrap_or_else(|| "not known".into()),
             level: worst.map_or("none".into(), |level| level.level.to_string()),
@@ -89,11 +91,21 @@ pub(super) fn summary(subject: &Subject) -> Vec<SummaryRow> {
             } else {
                 with_error(errors.iter().sum::<f64>() / errors.len() as f64, 0.0)
             },
+            first: first(chain).map_or("not judged".into(), |l| with_error(l.lobe_error.mean, l.lobe_error.stderr)),
             limits,
             mark,
         }
     };
     chains.iter().enumerate().map(row).collect()
+}
+
+fn first(chain: &ChainScore) -> Option<&LevelScore> {
+    chain.levels.iter().find(|level| level.level == 0)
+}
+
+/// Whether level 0 of some chain is not the input itself.
+pub(super) fn any_first(subject: &Subject) -> bool {
+    subject.judgement.chains.iter().filter_map(first).any(|level| level.lobe_error.mean != 0.0)
 }
 
 /// "0.62 ± 0.01": with one standard error, as on the command line, which gets the digits it needs.

@@ -2,8 +2,8 @@
 
 use ndarray::Array3;
 
-use super::MANY;
 use super::pictures::png;
+use super::strip::smaller;
 use super::svg::{Svg, number};
 use crate::compare::Candidate;
 use crate::error::Result;
@@ -14,8 +14,6 @@ use crate::roughness::Alpha;
 /// Units that level 0 is wide, and each level beside the finer one. The true half would leave nothing to see of the
 /// coarse ones.
 const LARGEST: f64 = 148.0;
-/// The same where more than [`MANY`] chains share the page's 5 MB.
-const LARGEST_OF_MANY: f64 = 100.0;
 const SHRINK: f64 = 0.84;
 const GAP: f64 = 8.0;
 const LEFT: f64 = 96.0;
@@ -79,7 +77,7 @@ fn picture(lobes: &Lobes, to: Size, normals: bool) -> Raster {
 pub(super) fn strip(chains: &[Candidate]) -> Result<String> {
     let count = chains.iter().map(|chain| chain.levels.len()).max().unwrap_or(0);
     let base = chains.first().map_or(Size::new(1, 1), |chain| chain.levels[0].size());
-    let largest = if chains.len() > MANY { LARGEST_OF_MANY } else { LARGEST };
+    let largest = smaller(LARGEST, chains.len());
     let targets: Vec<f64> = (0..count).map(|k| largest * SHRINK.powi(k as i32)).collect();
     let mut columns = vec![LEFT];
     for (k, target) in targets.iter().enumerate() {

@@ -15,10 +15,12 @@ mod svg;
 mod tests;
 mod verdict;
 
-pub use data::{SCHEMA, csv, json, passes};
+pub use data::{CSV_MARK, SCHEMA, csv, json, passes};
 pub use motion::motion;
-pub use page::page;
+pub use page::{HTML_MARK, page};
 pub use verdict::{Matters, SIGNIFICANT, UNSEEN, Verdict, verdict};
+
+use serde::Serialize;
 
 use crate::compare::{Candidate, Judgement, Limit, MotionScore, Settings};
 use crate::material::Material;
@@ -32,6 +34,8 @@ pub struct Subject<'a> {
     pub material: &'a Material,
     /// The chains, level 0 first.
     pub chains: &'a [Candidate],
+    /// Where they come from, in the same order; of those at the end that have no entry, nothing is said.
+    pub about: &'a [ChainAbout],
     /// What the judge said of them, in the same order.
     pub judgement: &'a Judgement,
     /// Which of the chains is plain mips, made for comparison.
@@ -44,6 +48,19 @@ pub struct Subject<'a> {
     pub command: &'a str,
     /// Pictures in motion, if any were made.
     pub motion: &'a [Motion],
+}
+
+/// Where a chain comes from, and what was understood of it.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct ChainAbout {
+    /// Path or keys as they were given, or in words how it was made.
+    pub source: String,
+    /// Which form of a folder's chain was read: "png", "exr" or "lobes".
+    pub container: Option<&'static str>,
+    /// What was understood of its files.
+    pub notes: Vec<String>,
+    /// What looks wrong in them.
+    pub warnings: Vec<String>,
 }
 
 /// A moving picture and what it says of each chain.

@@ -1,5 +1,6 @@
 //! The chains in motion, beside the truth.
 
+use super::svg::cut;
 use super::{MANY, Motion};
 use crate::codec::write_apng;
 use crate::compare::{Candidate, MotionScore, score_motion};
@@ -12,6 +13,8 @@ use crate::render::{self, Image, Sampling, Scene, display, sequence, side_by_sid
 const PIXELS: usize = 72;
 /// Each picture's pixels in the animation.
 const ENLARGED: usize = 2;
+/// Letters of a chain's name above its picture: what fits over 72 x 2 pixels, 12 pixels each.
+const LETTERS: usize = 12;
 /// As FLIP's authors take a screen: 0.7 m away, 0.7 m wide, 3840 pixels across (Andersson et al. 2020, sec. 3).
 const PIXELS_PER_DEGREE: f32 = 67.0;
 const MILLISECONDS: u16 = 90;
@@ -49,9 +52,10 @@ pub fn motion(material: &Material, chains: &[Candidate], done: &(dyn Fn(f64) + S
         let sheets: Vec<Raster> = (0..truth.len())
             .map(|k| {
                 let picture = |frames: &[Image]| tonemap(&frames[k], scene.exposure);
-                let chosen = shown.iter().map(|&i| (chains[i].name.as_str(), picture(&moving[i])));
-                let pictures: Vec<(&str, Raster)> = chosen.chain([("truth", picture(&truth))]).collect();
-                side_by_side(&pictures.iter().map(|(name, picture)| (*name, picture)).collect::<Vec<_>>(), ENLARGED)
+                let chosen = shown.iter().map(|&i| (label(&chains[i].name), picture(&moving[i])));
+                let pictures: Vec<(String, Raster)> = chosen.chain([("truth".into(), picture(&truth))]).collect();
+                let labelled: Vec<_> = pictures.iter().map(|(name, picture)| (name.as_str(), picture)).collect();
+                side_by_side(&labelled, ENLARGED)
             })
             .collect();
         let mut apng = Vec::new();
@@ -62,6 +66,11 @@ pub fn motion(material: &Material, chains: &[Candidate], done: &(dyn Fn(f64) + S
         done(share(1));
     }
     motions
+}
+
+/// A name as the pictures' small alphabet has it; an ellipsis is not in that.
+fn label(name: &str) -> String {
+    cut(name, LETTERS).replace('\u{2026}', ".")
 }
 
 /// All chains, or of many the two that look most like the truth and the one that looks least like it, in their order.
@@ -78,6 +87,52 @@ fn to_show(scores: &[MotionScore]) -> Vec<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Two chains of a material of 16 x 16 texels: scores stand in the order of the chains, and the animation has as
+    /// many frames and pixels as it says.
+    #[test]
+    fn pictures_and_scores_belong_to_their_chains() {
+        let maps = (crate::sample::by_name("tiles").unwrap().make)(16, 1);
+        let inputs = crate::material::Inputs {
+            name: "tiles".into(),
+            normal: Some("n.png".into()),
+            roughness: crate::material::RoughnessInput::Constant(crate::roughness::PerceptualRoughness(0.3)),
+            ..Default::default()
+        };
+        let read = |path: &std::path::Path| {
+            let mut bytes = Vec::new();
+            crate::codec::write_png(&mut bytes, &maps.normal).unwrap();
+            crate::codec::decode(path, bytes)
+        };
+        let material = crate::material::load_with(&inputs, &read).unwrap();
+        let base = base_lobes(&material, Form::Isotropic);
+        let chain = |name: &str, alpha: Option<f32>| {
+            let lobe = |k: usize, x: usize, y: usize| match alpha {
+                Some(alpha) => crate::ndf::Lobe::isotropic(glam::Vec3::Z, crate::roughness::Alpha(alpha)),
+                None => base.at(x << k, y << k),
+            };
+            let level =
+                |k: usize| crate::ndf::Lobes::from_fn(Form::Isotropic, base.size().level(k), |x, y| lobe(k, x, y));
+            Candidate::new(name, (0..5).map(level).collect())
+        };
+        let chains = [chain("a name that is much too long", Some(1.0)), chain("near", None)];
+        let shares = std::sync::Mutex::new(Vec::new());
+        let motions = motion(&material, &chains, &|share| shares.lock().unwrap().push(share));
+        assert!(shares.lock().unwrap().is_sorted() && shares.lock().unwrap().last() == Some(&1.0));
+        assert_eq!(motions.iter().map(|m| m.name).collect::<Vec<_>>(), ["zoom", "pan"]);
+        for motion in &motions {
+            let names: Vec<_> = motion.scores.iter().map(|score| score.chain.as_str()).collect();
+            assert_eq!(names, ["a name that is much too long", "near"]);
+            assert_eq!(motion.shown, names);
+            assert!(motion.scores[0].flip_mean > 1.5 * motion.scores[1].flip_mean, "{:?}", motion.scores);
+            let reader = png::Decoder::new(std::io::Cursor::new(&motion.apng)).read_info().unwrap();
+            let info = reader.info();
+            assert_eq!((info.width as usize, info.height as usize), motion.size);
+            // Three pictures of equal width: no name widens its column.
+            assert_eq!(motion.size.0, 3 * PIXELS * ENLARGED + 2 * 6 + 2 * 14);
+            assert_eq!(info.animation_control.unwrap().num_frames, if motion.name == "zoom" { 20 } else { 10 });
+        }
+    }
 
     #[test]
     fn of_many_the_best_and_the_worst_are_shown() {

@@ -9,7 +9,8 @@ use super::mips;
 use super::pictures::{data, heat_scale};
 use super::strip::{self, HOTTEST, Look, distance_name};
 use super::verdict::short;
-use super::{Matters, Subject, verdict};
+use super::{ChainAbout, Matters, Subject, verdict};
+use crate::compare::Candidate;
 use crate::error::{Error, Result};
 use crate::material::{Origin, base_lobes};
 use crate::ndf::Form;
@@ -36,6 +37,14 @@ struct MapView {
     roles: String,
     sha256: String,
     short: String,
+}
+
+/// Where a chain comes from.
+struct ChainOrigin {
+    name: String,
+    source: String,
+    notes: Vec<String>,
+    warnings: Vec<String>,
 }
 
 struct MotionView {
@@ -75,6 +84,8 @@ struct Page<'a> {
     verdict: String,
     status: Status,
     summary: Vec<SummaryRow>,
+    /// Whether the table shows level 0.
+    first_shown: bool,
     distances: Vec<String>,
     cell_side: usize,
     strip: Vec<Row>,
@@ -92,6 +103,7 @@ struct Page<'a> {
     roughness: Roughness,
     disks: Vec<disks::Panel>,
     motions: Vec<MotionView>,
+    origins: Vec<ChainOrigin>,
     maps: Vec<MapView>,
     conventions: Vec<Fact>,
     notes: &'a [String],
@@ -100,13 +112,16 @@ struct Page<'a> {
     settings: Vec<Fact>,
 }
 
+/// By which a page of ours is known.
+pub const HTML_MARK: &str = "<meta name=\"generator\" content=\"mipfold ";
+
 /// One HTML page that holds everything in itself: pictures, style and script. It loads nothing, and can be read
 /// without scripts. `done` is called with the share of the work that is done, 0 to 1.
 ///
 /// # Errors
 /// None that depend on the subject; a picture that cannot be encoded.
 pub fn page(subject: &Subject, done: &(dyn Fn(f64) + Sync)) -> Result<String> {
-    page_with(subject, Look::default(), done)
+    page_with(subject, Look::of(subject.chains.len()), done)
 }
 
 pub(super) fn page_with(subject: &Subject, look: Look, done: &(dyn Fn(f64) + Sync)) -> Result<String> {
@@ -125,6 +140,8 @@ pub(super) fn page_with(subject: &Subject, look: Look, done: &(dyn Fn(f64) + Syn
     done(0.9);
     let names: Vec<&str> = chains.iter().map(|chain| chain.name.as_str()).collect();
     let verdict = verdict(subject);
+    let best = subject.judgement.chains.iter().find(|chain| Some(&chain.name) == verdict.chain.as_ref());
+    let folded = best.is_some_and(|chain| chain.fold.is_some());
     let (strip, errors) = rows(&names, columns);
     let page = Page {
         css: include_str!("../../templates/report/page.css"),
@@ -140,7 +157,8 @@ pub(super) fn page_with(subject: &Subject, look: Look, done: &(dyn Fn(f64) + Syn
             Matters::Unknown => "unknown",
         },
         answer: match verdict.matters {
-            Matters::Yes => "Fold it",
+            Matters::Yes if folded => "Fold it",
+            Matters::Yes => "Closer",
             Matters::NotNeeded => "Leave it",
             Matters::NoHelp => "No gain",
             Matters::Unknown => "Open",
@@ -148,6 +166,7 @@ pub(super) fn page_with(subject: &Subject, look: Look, done: &(dyn Fn(f64) + Syn
         verdict: verdict.text,
         status: figures::status(subject),
         summary: figures::summary(subject),
+        first_shown: figures::any_first(subject),
         distances: DISTANCES.iter().map(|d| distance_name(*d)).collect(),
         cell_side: look.cell,
         // Plain mips, or else the first chain, against the truth.
@@ -171,6 +190,7 @@ pub(super) fn page_with(subject: &Subject, look: Look, done: &(dyn Fn(f64) + Syn
         roughness: roughness(&names, &spreads),
         disks,
         motions: motions(subject),
+        origins: origins(subject),
         maps: maps(subject),
         conventions: conventions(subject),
         notes: &material.notes,
@@ -237,6 +257,21 @@ fn motions(subject: &Subject) -> Vec<MotionView> {
 /// All with three decimals, so that columns line up.
 fn thousandths(v: f64) -> String {
     if v.is_nan() { "n/a".into() } else { format!("{v:.3}") }
+}
+
+/// What was said of the surface is not said again.
+fn origins(subject: &Subject) -> Vec<ChainOrigin> {
+    let new = |texts: &[String], said: &[String]| texts.iter().filter(|t| !said.contains(t)).cloned().collect();
+    let origin = |(chain, about): (&Candidate, &ChainAbout)| ChainOrigin {
+        name: chain.name.clone(),
+        source: match about.container {
+            Some(container) => format!("{} ({container})", about.source),
+            None => about.source.clone(),
+        },
+        notes: new(&about.notes, &subject.material.notes),
+        warnings: new(&about.warnings, &subject.material.warnings),
+    };
+    subject.chains.iter().zip(subject.about).map(origin).collect()
 }
 
 fn maps(subject: &Subject) -> Vec<MapView> {

@@ -22,17 +22,17 @@ pub(super) struct Style {
 /// Colours of the style sheet.
 const COLOURS: usize = 6;
 const MARKERS: usize = 5;
-/// Dashes of the style sheet; the first is a full line.
-const DASHES: usize = 4;
 
 impl Style {
     /// Plain mips: gray, dashed, crosses.
     pub const PLAIN: Self = Self { colour: None, marker: 4, dash: 1 };
 
-    /// Of the `index`-th chain that is not plain: 60 before one returns.
+    /// Of the `index`-th chain that is not plain. Colours, markers and dashes go round at different speeds: twelve chains
+    /// differ by more than colour, and all 6 x 4 x 3 looks come before one returns.
     pub fn chain(index: usize) -> Self {
-        let dash = [0, 2, 3][index / 2 % 3];
-        Self { colour: Some(index % COLOURS), marker: index % (MARKERS - 1), dash: dash % DASHES }
+        let round = index / 12;
+        let dash = [0, 2, 3][(index / 2 + round / 2) % 3];
+        Self { colour: Some(index % COLOURS), marker: (index + round) % (MARKERS - 1), dash }
     }
 
     fn class(self) -> String {
@@ -58,9 +58,9 @@ impl Style {
         }
     }
 
-    /// Line and marker for a legend.
-    pub fn swatch(self, id: &str, name: &str) -> String {
-        let mut svg = Svg::new(id, "swatch", (34.0, 12.0), name, "line and marker");
+    /// Line and marker for a legend, where the name stands beside them.
+    pub fn swatch(self) -> String {
+        let mut svg = Svg::ornament("swatch", (34.0, 12.0));
         svg.open("g", &[("class", &self.class())]);
         svg.line((1.0, 6.0), (33.0, 6.0), &format!("line d{}", self.dash));
         svg.path(&self.marker((17.0, 6.0)), "mark");
@@ -228,6 +228,11 @@ mod tests {
     fn styles_differ_by_more_than_colour() {
         let looks: Vec<_> = (0..12).map(Style::chain).chain([Style::PLAIN]).map(|s| (s.marker, s.dash)).collect();
         assert!((0..looks.len()).all(|i| !looks[..i].contains(&looks[i])), "{looks:?}");
+        let all = |i| {
+            let Style { colour, marker, dash } = Style::chain(i);
+            (colour, marker, dash)
+        };
+        assert_eq!((0..72).map(all).collect::<std::collections::HashSet<_>>().len(), 72);
     }
 
     #[test]

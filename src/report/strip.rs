@@ -3,9 +3,10 @@
 use crate::compare::Candidate;
 use crate::error::Result;
 use crate::ndf::Lobes;
-use crate::render::{DISTANCES, Sampling, Scene, render, tonemap};
+use crate::render::{DISTANCES, Sampling, Scene, heat, render, tonemap};
 
-use super::pictures::{distance, heat, png};
+use super::MANY;
+use super::pictures::{distance, png};
 
 /// How finely pictures are drawn.
 #[derive(Clone, Copy, Debug)]
@@ -25,6 +26,22 @@ impl Default for Look {
     fn default() -> Self {
         Self { cell: 192, chain_rays: 3, truth_rays: 6, disk: 72 }
     }
+}
+
+impl Look {
+    /// As large as so many chains can be drawn.
+    pub fn of(chains: usize) -> Self {
+        let usual = Self::default();
+        // Whole pixels at 1/16, so that all pictures show the same ball.
+        let cell = 16 * (smaller(usual.cell as f64, chains) / 16.0).round() as usize;
+        Self { cell: cell.max(32), disk: smaller(usual.disk as f64, chains).round() as usize, ..usual }
+    }
+}
+
+/// The side of a picture of which every chain has one: where more than [`MANY`] chains share the page's 5 MB, so much
+/// smaller that all of them have as many pixels as those of [`MANY`].
+pub(super) fn smaller(side: f64, chains: usize) -> f64 {
+    side * (MANY as f64 / chains.max(MANY) as f64).sqrt()
 }
 
 /// A mean distance of this much of the display's range is drawn white. Fixed, so that reports can be compared.
@@ -61,7 +78,7 @@ pub(super) fn columns(base: &Lobes, chains: &[Candidate], look: Look, done: &dyn
             let picture = draw(&chain.levels[from..], pixels, Sampling::mips(look.chain_rays));
             let error = distance(&picture, &truth);
             let mean = error.mean().unwrap_or(0.0);
-            drawn.push((png(&picture)?, png(&heat(&error.mapv(|e| e / HOTTEST)))?, mean));
+            drawn.push((png(&picture)?, png(&heat(&error, HOTTEST))?, mean));
         }
         columns.push(Column { distance: distance_, truth: png(&truth)?, chains: drawn });
         done((i + 1) as f64 / DISTANCES.len() as f64);

@@ -27,6 +27,14 @@ impl Svg {
         svg
     }
 
+    /// A picture that says nothing beyond the text beside it; screen readers pass over it.
+    pub fn ornament(class: &str, (width, height): (f64, f64)) -> Self {
+        let mut svg = Self(String::new());
+        let view = format!("0 0 {} {}", number(width), number(height));
+        svg.open("svg", &[("class", &class), ("viewBox", &view), ("aria-hidden", &"true"), ("focusable", &"false")]);
+        svg
+    }
+
     pub fn open(&mut self, name: &str, attributes: &[(&str, &dyn Display)]) {
         write!(self.0, "<{name}").expect("strings grow");
         for (key, value) in attributes {

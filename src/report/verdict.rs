@@ -25,7 +25,7 @@ const LARGEST_RATIO: f64 = 100.0;
 pub enum Matters {
     /// Plain mips can be seen to be wrong, and a chain is closer to the truth.
     Yes,
-    /// Plain mips stay within [`UNSEEN`] of the truth.
+    /// Plain mips stay within [`UNSEEN`] of the truth at every judged level.
     NotNeeded,
     /// Plain mips can be seen to be wrong, but no chain is closer beyond the error of the measurement.
     NoHelp,
@@ -42,13 +42,15 @@ pub struct Verdict {
     pub text: String,
     /// The level that decided, if one did; never 0, which every chain shares.
     pub level: Option<usize>,
+    /// The best chain at that level, where plain mips were compared with one.
+    pub chain: Option<String>,
     /// Lobe error of plain mips over that of the best chain, at that level.
     pub ratio: Option<f64>,
 }
 
 impl Verdict {
     fn unknown(text: impl Into<String>, level: Option<usize>) -> Self {
-        Self { matters: Matters::Unknown, text: text.into(), level, ratio: None }
+        Self { matters: Matters::Unknown, text: text.into(), level, chain: None, ratio: None }
     }
 }
 
@@ -71,8 +73,29 @@ fn order(error: f64) -> f64 {
     if error.is_nan() { f64::INFINITY } else { error }
 }
 
-/// What the figures say about plain mips and the best chain, at the level where plain mips are furthest from the truth.
+/// What the figures say about plain mips and the best chain, at the level where plain mips are furthest from the truth
+/// among those that another chain has as well. A chain whose level 0 is not the surface is named first.
 pub fn verdict(subject: &Subject) -> Verdict {
+    let verdict = of_levels(subject);
+    match not_this_surface(subject) {
+        Some(warning) => Verdict { text: format!("{warning} {}", verdict.text), ..verdict },
+        None => verdict,
+    }
+}
+
+/// A chain of this surface is right at level 0, but for rounding.
+fn not_this_surface(subject: &Subject) -> Option<String> {
+    let level_0 = |chain: &ChainScore| chain.levels.iter().find(|level| level.level == 0).map(error);
+    let found = subject.judgement.chains.iter().filter_map(|chain| Some((&chain.name, level_0(chain)?)));
+    let found: Vec<_> = found.filter(|(_, error)| *error > UNSEEN).collect();
+    let names = found.iter().map(|(name, error)| format!("'{name}' (lobe error {})", short(*error)));
+    let names = names.collect::<Vec<_>>().join(", ");
+    (!found.is_empty()).then(|| {
+        format!("Level 0 of {names} is not this surface: is it the wrong green direction, a wrong channel or file?")
+    })
+}
+
+fn of_levels(subject: &Subject) -> Verdict {
     let chains = &subject.judgement.chains;
     if chains.iter().all(|chain| decisive(chain).next().is_none()) {
         return Verdict::unknown("Nothing can be said yet: no level below the first was judged.", None);
@@ -80,67 +103,96 @@ pub fn verdict(subject: &Subject) -> Verdict {
     let others: Vec<&ChainScore> =
         chains.iter().enumerate().filter(|(i, _)| Some(*i) != subject.plain).map(|(_, chain)| chain).collect();
     let Some(plain) = subject.plain.and_then(|i| chains.get(i)) else { return without_plain(&others) };
-    let Some(worst) = worst(plain) else {
+    let Some(furthest) = worst(plain) else {
         return Verdict::unknown("Nothing can be said yet: plain mips were not judged below the first level.", None);
     };
-    let at = Some(worst.level);
-    if !error(worst).is_finite() {
-        let text = format!("Nothing can be said: the error of plain mips at level {} is not a number.", worst.level);
-        return Verdict::unknown(text, at);
+    let (at, far) = (furthest.level, short(error(furthest)));
+    if !error(furthest).is_finite() {
+        let text = format!("Nothing can be said: the error of plain mips at level {at} is not a number.");
+        return Verdict::unknown(text, Some(at));
     }
-    if error(worst) <= UNSEEN {
+    if error(furthest) <= UNSEEN {
         let text = format!(
-            "This material needs nothing: plain mips stay within {} of the truth at every level.",
-            bound(error(worst))
+            "This material needs nothing: plain mips stay within {} of the truth at every judged level.",
+            bound(error(furthest))
         );
-        return Verdict { matters: Matters::NotNeeded, text, level: at, ratio: None };
+        return Verdict { matters: Matters::NotNeeded, text, level: Some(at), chain: None, ratio: None };
     }
-    let here = |chain: &'_ ChainScore| decisive(chain).find(|l| l.level == worst.level).map(|l| l.lobe_error);
-    let best = others.iter().filter_map(|chain| Some((chain, here(chain)?)));
-    let best = best.filter(|(_, e)| e.mean.is_finite()).min_by(|a, b| a.1.mean.total_cmp(&b.1.mean));
-    match best {
-        Some((chain, found)) => compared(worst, chain, found.mean, found.stderr),
-        None => Verdict::unknown(
-            format!(
-                "Plain mips are {} from the truth at level {}; no other chain was judged there.",
-                short(error(worst)),
-                worst.level
-            ),
-            at,
-        ),
+    let best_at = |level: usize| {
+        let here = others.iter().filter_map(|chain| Some((*chain, decisive(chain).find(|l| l.level == level)?)));
+        here.filter(|(_, l)| error(l).is_finite()).min_by(|a, b| error(a.1).total_cmp(&error(b.1)))
+    };
+    let shared = decisive(plain).filter_map(|level| Some((level, best_at(level.level)?)));
+    match shared.max_by(|a, b| error(a.0).total_cmp(&error(b.0))) {
+        None => {
+            let text = format!("Plain mips are {far} from the truth at level {at}; no other chain was judged there.");
+            Verdict::unknown(text, Some(at))
+        }
+        Some((level, _)) if error(level) <= UNSEEN => {
+            let text = format!(
+                "Plain mips stay within {} of the truth at the levels that another chain has; at level {at}, which none \
+                 has, they are {far} from it.",
+                bound(error(level))
+            );
+            Verdict::unknown(text, Some(at))
+        }
+        Some((level, (chain, found))) => compared(plain, level, chain, found),
     }
 }
 
-fn compared(plain: &LevelScore, best: &ChainScore, error: f64, stderr: f64) -> Verdict {
-    let (p, k, name) = (plain.lobe_error.mean, plain.level, &best.name);
-    let margin = SIGNIFICANT * plain.lobe_error.stderr.hypot(stderr);
-    let ratio = Some(p / error).filter(|ratio| ratio.is_finite());
-    let figures = format!("lobe error {} against {}", short(p), short(error));
-    // Without standard errors the margin is 0 or not a number: then only a real difference counts.
-    let margin = if margin.is_finite() { margin } else { f64::INFINITY };
-    let (matters, text) = if p - error > margin {
+/// How much further `b` is from the truth than `a`, if that is more than chance. Where no standard error is known, only
+/// a difference with one counts.
+fn further(a: &LevelScore, b: &LevelScore) -> Option<f64> {
+    let margin = SIGNIFICANT * a.lobe_error.stderr.hypot(b.lobe_error.stderr);
+    let difference = error(b) - error(a);
+    (margin.is_finite() && difference > margin).then_some(difference)
+}
+
+/// The level where a chain is furthest behind plain mips, if it is anywhere.
+fn behind(plain: &ChainScore, chain: &ChainScore) -> Option<String> {
+    let behind = decisive(plain).filter_map(|p| {
+        let c = decisive(chain).find(|level| level.level == p.level)?;
+        Some((further(p, c)?, p, c))
+    });
+    let (_, p, c) = behind.max_by(|a, b| a.0.total_cmp(&b.0))?;
+    Some(format!("but at level {} it is further: {} against {}", p.level, short(error(c)), short(error(p))))
+}
+
+fn compared(plain: &ChainScore, level: &LevelScore, best: &ChainScore, found: &LevelScore) -> Verdict {
+    let (k, name) = (level.level, &best.name);
+    let ratio = Some(error(level) / error(found)).filter(|ratio| ratio.is_finite());
+    let figures = format!("lobe error {} against {}", short(error(level)), short(error(found)));
+    // Of a chain that somebody else made nobody knows whether it was folded.
+    let who = if best.fold.is_some() { "Folding".to_owned() } else { format!("'{name}'") };
+    let (matters, mut text) = if further(found, level).is_some() {
         let times = match ratio {
             Some(ratio) if ratio <= LARGEST_RATIO => format!("{ratio:.1}"),
             _ => format!("more than {LARGEST_RATIO:.0}"),
         };
-        let text = format!(
-            "Folding matters here: at level {k} plain mips are {times} x further from the truth than '{name}' ({figures})."
-        );
+        let gain = if best.fold.is_some() { "Folding matters here".into() } else { format!("{who} is closer here") };
+        let than = if best.fold.is_some() { format!("'{name}'") } else { "it is".into() };
+        let text =
+            format!("{gain}: at level {k} plain mips are {times} x further from the truth than {than} ({figures})");
         (Matters::Yes, text)
-    } else if error - p > margin {
+    } else if further(level, found).is_some() {
         let text = format!(
-            "Folding does not help here: at level {k} the best chain, '{name}', is further from the truth than plain mips ({} against {}).",
-            short(error),
-            short(p)
+            "{who} does not help here: at level {k} the best chain, '{name}', is further from the truth than plain mips \
+             ({} against {})",
+            short(error(found)),
+            short(error(level))
         );
         (Matters::NoHelp, text)
     } else {
         let text = format!(
-            "Folding does not help here: at level {k} plain mips and the best chain, '{name}', are equally far from the truth ({figures})."
+            "{who} does not help here: at level {k} plain mips and the best chain, '{name}', cannot be told apart \
+             ({figures})"
         );
         (Matters::NoHelp, text)
     };
-    Verdict { matters, text, level: Some(k), ratio }
+    if let Some(clause) = behind(plain, best).filter(|_| matters == Matters::Yes) {
+        text = format!("{text}, {clause}");
+    }
+    Verdict { matters, text: text + ".", level: Some(k), chain: Some(name.clone()), ratio }
 }
 
 /// Without plain mips there is no telling what a fold gains; what can be told is how close the chains are.
@@ -157,7 +209,7 @@ fn without_plain(chains: &[&ChainScore]) -> Verdict {
     }
     let who = if worst.len() == 1 { format!("'{name}' stays") } else { format!("The closest chain, '{name}', stays") };
     let text = format!(
-        "{who} within {} of the truth, worst at level {k}; there are no plain mips to compare with.",
+        "{who} within {} of the truth at every judged level, worst at level {k}; there are no plain mips to compare with.",
         bound(error(level))
     );
     Verdict::unknown(text, Some(k))

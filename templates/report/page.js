@@ -32,24 +32,22 @@
     timer = 0;
     stage.classList.remove("blinking", "flipped");
     blink.setAttribute("aria-pressed", "false");
-    split.disabled = false;
   };
   var flip = function () { stage.classList.toggle("flipped"); };
 
   [left, right, far].forEach(function (select) { select.addEventListener("change", update); });
-  split.addEventListener("input", update);
+  // Who moves the line wants to see it.
+  split.addEventListener("input", function () { stop(); update(); });
   blink.addEventListener("click", function () {
-    if (still.matches) {
-      // No movement of its own: every press shows the other one.
-      stage.classList.add("blinking");
-      flip();
-      blink.setAttribute("aria-pressed", String(stage.classList.contains("flipped")));
-    } else if (timer) {
+    if (stage.classList.contains("blinking")) {
       stop();
+      return;
+    }
+    stage.classList.add("blinking");
+    blink.setAttribute("aria-pressed", "true");
+    if (still.matches) {
+      flip(); // No movement of its own: one press shows the other picture, the next one both.
     } else {
-      stage.classList.add("blinking");
-      blink.setAttribute("aria-pressed", "true");
-      split.disabled = true;
       timer = setInterval(flip, BLINK_MS);
     }
   });
@@ -59,7 +57,6 @@
     update();
   };
   stage.addEventListener("pointerdown", function (event) {
-    if (split.disabled) { return; }
     stop();
     stage.setPointerCapture(event.pointerId);
     drag(event);

@@ -132,7 +132,7 @@ pub fn read_folder(folder: &Path, container: Option<Container>) -> Result<LevelC
     built.as_given(&mut chain.level_0);
     // Those of reading name options that do not hold here.
     chain.level_0.notes = vec![format!("normals are {}, as the manifest says", built.manifest.normal_y.describe())];
-    chain.fold = Some(built.fold());
+    (chain.fold, chain.container) = (Some(built.fold()), Some(container));
     Ok(chain)
 }
 

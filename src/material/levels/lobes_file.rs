@@ -43,7 +43,7 @@ pub fn read_lobes(path: &Path) -> Result<LevelChain> {
     let form = if pictures.iter().all(round) { Form::Isotropic } else { Form::Anisotropic };
     let levels = pictures.iter().map(|picture| lobes(&picture.raster, channels, form)).collect::<Vec<_>>();
     let level_0 = material(path, &pictures[0], &levels[0])?;
-    Ok(LevelChain { levels, level_0, fold: None })
+    Ok(LevelChain { levels, level_0, fold: None, container: None })
 }
 
 /// The six values of a texel.

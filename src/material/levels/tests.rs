@@ -227,6 +227,12 @@ fn patterns_are_told_from_names() {
     assert_eq!(at("n%02d.png", 3).as_deref(), Some("n03.png"));
     assert_eq!(at("%d/n.png", 0).as_deref(), Some("0/n.png"));
     assert_eq!(at("50%_%d.png", 1).as_deref(), Some("50%_1.png"));
+    assert_eq!(at("50%d_%d.png", 1).as_deref(), Some("50%d_1.png"));
+    assert_eq!(at("%d%%d.png", 7).as_deref(), Some("7%d.png"));
+    assert_eq!(at("100%%_%02d.png", 1).as_deref(), Some("100%_01.png"));
+    for name in ["n_%i.png", "n_%5d.png", "%%d.png", "n_%0000d.png", "n_%"] {
+        assert!(at(name, 0).is_none(), "{name}");
+    }
     for name in ["n.png", "50%.png", "n_%2d.png", "n_%x.png", "%", "wood%dark%.png0"] {
         let is = name == "wood%dark%.png0";
         assert_eq!(at(name, 0).is_some(), is, "{name}");
@@ -256,6 +262,7 @@ fn what_is_no_chain_is_refused() {
     refused(chain("n_%d.png", RoughnessInput::Missing), &["without roughness"]);
     refused(chain("x_%d.png", half()), &["x_0.png"]);
     refused(chain("n_0.png", half()), &["n_0.png", "%d", "8x8"]);
+    refused(chain("n_%i.png", half()), &["n_%i.png", "%d for the level"]);
     refused(chain("n_%d.png", map("r_0.png")), &["r_0.png", "%d"]);
     refused(chain("n_%d.png", map("gone.png")), &["gone.png"]);
     // One level too many, of a size that no level below 1x1 has.

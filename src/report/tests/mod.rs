@@ -25,6 +25,7 @@ struct Stage {
     material: Material,
     chains: Vec<Candidate>,
     judgement: Judgement,
+    about: Vec<ChainAbout>,
     plain: Option<usize>,
     limits: Vec<Limit>,
     settings: Settings,
@@ -62,6 +63,7 @@ impl Stage {
         Self {
             judgement: Judgement { size: material.size, chains: scores },
             chains: candidates,
+            about: Vec::new(),
             plain: chains.iter().position(|(name, ..)| *name == "plain"),
             limits: vec!["0.2".parse().unwrap(), "ndf-tv@2-=0.5".parse().unwrap()],
             settings: Settings::default(),
@@ -74,6 +76,7 @@ impl Stage {
         Subject {
             material: &self.material,
             chains: &self.chains,
+            about: &self.about,
             judgement: &self.judgement,
             plain: self.plain,
             limits: &self.limits,

@@ -1,7 +1,7 @@
 //! The page: sound, escaped, and sensible with little to show.
 
 use super::super::page::page_with;
-use super::super::{Candidate, Motion, MotionScore, Subject};
+use super::super::{Candidate, ChainAbout, Motion, MotionScore, Subject};
 use super::{QUICK, Stage, usual};
 use crate::fold::FOLDS;
 use crate::image::Size;
@@ -124,6 +124,30 @@ fn names_and_notes_cannot_become_markup() {
     assert!(!html.contains("<script>alert") && !html.contains("onload=\""));
     assert_eq!(html.matches("<script").count(), 1);
     is_sound(&html);
+}
+
+#[test]
+fn page_names_what_was_judged() {
+    let mut stage = usual();
+    let shared = stage.material.notes[0].clone();
+    stage.about = vec![
+        ChainAbout { source: "out".into(), container: Some("exr"), notes: vec![shared.clone()], warnings: Vec::new() },
+        ChainAbout {
+            source: "normal=<n>_%d.png".into(),
+            container: None,
+            notes: vec!["sides are as told".into()],
+            warnings: vec!["looks odd".into()],
+        },
+    ];
+    let (before, html) = (usual().page(), stage.page());
+    is_sound(&html);
+    for text in ["out (exr)", "normal=&#60;n&#62;_%d.png", "sides are as told", "Probably wrong in mine", "looks odd"] {
+        assert!(html.contains(text) && !before.contains(text), "{text}");
+    }
+    assert_eq!(html.matches(shared.as_str()).count(), before.matches(shared.as_str()).count());
+    stage.settings.texels = None;
+    assert!(!html.contains("<dd>all</dd></div>\n    <div><dt>Directions"));
+    assert!(stage.page().contains("<dd>all</dd></div>\n    <div><dt>Directions"));
 }
 
 #[test]

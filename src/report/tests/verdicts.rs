@@ -18,7 +18,7 @@ fn verdict_that_folding_matters() {
 fn verdict_that_nothing_is_needed() {
     let found = Stage::new(&[("plain", "average", 0.0312), ("mine", "projected", 0.001)]).verdict();
     assert_eq!(found.matters, Matters::NotNeeded);
-    let text = "This material needs nothing: plain mips stay within 0.032 of the truth at every level.";
+    let text = "This material needs nothing: plain mips stay within 0.032 of the truth at every judged level.";
     assert_eq!(found.text, text);
 }
 
@@ -34,7 +34,7 @@ fn verdict_counts_standard_errors() {
     let same = with(0.25, 0.02);
     assert_eq!(same.matters, Matters::NoHelp);
     assert!(
-        same.text.starts_with("Folding does not help here: ") && same.text.contains("equally far"),
+        same.text.starts_with("Folding does not help here: ") && same.text.contains("cannot be told apart"),
         "{}",
         same.text
     );
@@ -49,7 +49,11 @@ fn verdict_counts_standard_errors() {
 fn verdict_without_what_it_needs() {
     let alone = Stage::new(&[("mine", "projected", 0.12)]).verdict();
     assert_eq!((alone.matters, alone.level), (Matters::Unknown, Some(4)));
-    assert!(alone.text.starts_with("'mine' stays within 0.12 of the truth, worst at level 4"), "{}", alone.text);
+    assert!(
+        alone.text.starts_with("'mine' stays within 0.12 of the truth at every judged level, worst at level 4"),
+        "{}",
+        alone.text
+    );
     let two = Stage::new(&[("a", "lean", 0.2), ("b", "projected", 0.1)]).verdict();
     assert!(two.text.starts_with("The closest chain, 'b', stays within 0.1 "), "{}", two.text);
     let plain = Stage::new(&[("plain", "average", 0.4)]).verdict();
@@ -64,6 +68,63 @@ fn verdict_without_what_it_needs() {
     let mut stage = usual();
     stage.judgement.chains[1].levels[4].lobe_error.mean = f64::NAN;
     assert!(stage.verdict().text.contains("'theirs'"));
+}
+
+/// Plain mips are worst where no other chain goes.
+#[test]
+fn verdict_rests_on_levels_that_both_have() {
+    let mut stage = usual();
+    stage.judgement.chains[1..].iter_mut().for_each(|c| c.levels.truncate(3));
+    let found = stage.verdict();
+    assert_eq!((found.matters, found.level, found.chain.as_deref()), (Matters::Yes, Some(2), Some("mine")));
+    stage.judgement.chains[0].levels[1].lobe_error.mean = 0.01;
+    stage.judgement.chains[0].levels[2].lobe_error.mean = 0.02;
+    let found = stage.verdict();
+    assert_eq!(found.matters, Matters::Unknown);
+    assert!(found.text.contains("within 0.02") && found.text.contains("level 4, which none has"), "{}", found.text);
+}
+
+#[test]
+fn verdict_tells_where_the_chain_is_further() {
+    let mut stage = usual();
+    stage.judgement.chains[0].levels[6].lobe_error.mean = 0.1;
+    stage.judgement.chains[1].levels[6].lobe_error.mean = 0.3;
+    let found = stage.verdict();
+    assert_eq!(found.matters, Matters::Yes);
+    assert!(found.text.ends_with(", but at level 6 it is further: 0.3 against 0.1."), "{}", found.text);
+    // By less than the error, nothing is said.
+    stage.judgement.chains[1].levels[6].lobe_error.stderr = 0.2;
+    assert!(!stage.verdict().text.contains("but at"));
+}
+
+#[test]
+fn verdict_does_not_call_foreign_chains_folds() {
+    let mut stage = usual();
+    stage.judgement.chains[1].fold = None;
+    let text = stage.verdict().text;
+    let expected = "'mine' is closer here: at level 4 plain mips are 4.1 x further from the truth than it is (lobe error \
+                    0.62 against 0.15).";
+    assert_eq!(text, expected);
+    assert!(stage.page().contains(">Closer<"));
+    stage.judgement.chains[1].levels[4].lobe_error.mean = 0.7;
+    stage.judgement.chains[2].levels[4].lobe_error.mean = 0.9;
+    assert!(stage.verdict().text.starts_with("'mine' does not help here: "), "{}", stage.verdict().text);
+}
+
+#[test]
+fn verdict_warns_of_another_surface() {
+    let mut stage = usual();
+    assert!(!stage.page().contains(">Level 0<"));
+    stage.judgement.chains[2].levels[0].lobe_error.mean = 0.41;
+    let found = stage.verdict();
+    assert!(found.text.starts_with("Level 0 of 'theirs' (lobe error 0.41) is not this surface"), "{}", found.text);
+    assert_eq!(found.matters, Matters::Yes);
+    let html = stage.page();
+    assert!(html.contains(">Level 0<") && html.contains("<td class=\"num\">0.41</td>"));
+    assert!(!html.contains("The first level is the input itself"));
+    // Rounding is no other surface.
+    stage.judgement.chains[2].levels[0].lobe_error.mean = 0.02;
+    assert!(stage.verdict().text.starts_with("Folding"));
 }
 
 /// The derivation of [`UNSEEN`]: lobe error d for alphas that differ by d.
