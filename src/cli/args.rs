@@ -59,11 +59,29 @@ pub enum Command {
     Demo(DemoArgs),
 }
 
+/// A name and what is said of it, in lines that fit a terminal of 80 columns, so that nothing else breaks them.
+pub fn entry(name: &str, about: &str) -> String {
+    const NAME: usize = 18;
+    const ABOUT: usize = 80 - NAME - 3;
+    let mut lines = vec![String::new()];
+    for word in about.split(' ') {
+        let last = lines.last_mut().expect("never empty");
+        if last.is_empty() {
+            *last = word.into();
+        } else if last.chars().count() + 1 + word.chars().count() <= ABOUT {
+            *last = format!("{last} {word}");
+        } else {
+            lines.push(word.into());
+        }
+    }
+    format!("  {name:<NAME$} {}", lines.join(&format!("\n{:1$}", "", NAME + 3)))
+}
+
 /// Names of folds, for the help.
 pub fn fold_list() -> String {
     let lines = FOLDS.iter().map(|fold| {
         let form = if fold.anisotropic.is_some() { "" } else { " (one width only)" };
-        format!("  {:<18} {}{form}", fold.name, fold.about)
+        entry(fold.name, &format!("{}{form}", fold.about))
     });
     format!("Folds:\n{}\n\n{EXIT_CODES}", lines.collect::<Vec<_>>().join("\n"))
 }

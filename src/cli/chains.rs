@@ -33,7 +33,8 @@ pub struct Chain {
 const EXPECTED: &str = "a folder that `mipfold build` wrote, a NAME_lobes.exr, or \
                         normal=FILE_%d.png,roughness=FILE_%d.png (see mipfold compare --help)";
 
-const KEYS: &str = "normal, roughness, smoothness, orm, anisotropy, normal-y, normal-z, normal-range, normal-scale, name, \
+/// What may stand before `=`.
+pub const KEYS: &str = "normal, roughness, smoothness, orm, anisotropy, normal-y, normal-z, normal-range, normal-scale, name, \
                     container";
 
 impl Chain {

@@ -6,7 +6,7 @@ use std::str::FromStr;
 
 use clap::{Args, ValueEnum};
 
-use super::args::{LobesArg, MapArgs, ReadingArgs, fold_list, fold_name};
+use super::args::{LobesArg, MapArgs, ReadingArgs, entry, fold_list, fold_name};
 use crate::compare::{Limit, Metric, Settings, level_range};
 use crate::error::{Error, Result};
 use crate::fold::Fold;
@@ -19,19 +19,25 @@ const PER_SIDE: usize = 4;
 
 /// What stands below the help.
 fn after_help() -> String {
-    let metrics = Metric::ALL.iter().map(|metric| format!("  {:<18} {}", metric.name, metric.about));
+    let metrics: Vec<String> = Metric::ALL.iter().map(|metric| entry(metric.name, metric.about)).collect();
+    let chains = [
+        ("FOLDER", "that `mipfold build` wrote; FOLDER,container=png|exr|lobes chooses among what is there"),
+        ("NAME_lobes.exr", "that `mipfold build --format exr` wrote"),
+        (
+            "KEY=VALUE,...",
+            "maps: normal=n_%d.png,roughness=orm_%d.png:g has one file a level, from 0 on; \
+             normal=n.exr,roughness=r.exr:r are mip-mapped OpenEXR files",
+        ),
+    ];
     format!(
-        "CHAIN is one of\n  \
-           FOLDER             that `mipfold build` wrote; FOLDER,container=png|exr|lobes chooses among what is there\n  \
-           NAME_lobes.exr     that `mipfold build --format exr` wrote\n  \
-           KEY=VALUE,...      maps: normal=n_%d.png,roughness=orm_%d.png:g has one file a level, from 0 on;\n                     \
-                              normal=n.exr,roughness=r.exr:r are mip-mapped OpenEXR files\n\n\
-         Levels are written %d, or %02d with leading zeros; %% is a percent sign beside them.\n\
-         Keys of maps: normal, roughness (or a number), smoothness, orm, anisotropy, normal-y,\n\
-         normal-z, normal-range, normal-scale, name. Keys of a FOLDER: container, name.\n\
-         A path may hold commas, but no = after one.\n\n\
+        "CHAIN is one of\n{}\n\n\
+         Levels are written %d, or %02d with leading zeros; %% is a percent sign beside them. A path may hold commas, \
+         but no = after one.\n\n\
+         Keys of maps: normal, roughness (or a number), smoothness, orm, anisotropy, normal-y, normal-z, normal-range, \
+         normal-scale, name. Keys of a FOLDER: container, name.\n\n\
          Metrics for --limit:\n{}\n\n{}",
-        metrics.collect::<Vec<_>>().join("\n"),
+        chains.map(|(form, about)| entry(form, about)).join("\n"),
+        metrics.join("\n"),
         fold_list()
     )
 }
@@ -173,6 +179,20 @@ impl LookArgs {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Lines that are aligned by hand must not be broken again; keys that the parser knows are listed.
+    #[test]
+    fn help_fits_a_terminal() {
+        let help = after_help();
+        let aligned: Vec<&str> = help.lines().filter(|line| line.starts_with(' ')).collect();
+        assert!(aligned.len() > 15 && aligned.iter().all(|line| line.chars().count() <= 80), "{help}");
+        for key in crate::cli::chains::KEYS.split(", ") {
+            assert!(
+                help.contains(&format!(" {key},")) || help.contains(&format!(" {key}.")) || key == "roughness",
+                "{key}"
+            );
+        }
+    }
 
     #[test]
     fn levels_are_read_as_written() {

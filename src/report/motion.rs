@@ -13,8 +13,8 @@ use crate::render::{self, Image, Sampling, Scene, display, sequence, side_by_sid
 const PIXELS: usize = 72;
 /// Each picture's pixels in the animation.
 const ENLARGED: usize = 2;
-/// Letters of a chain's name above its picture: what fits over 72 x 2 pixels, 12 pixels each.
-const LETTERS: usize = 12;
+/// Pixels of a letter above a picture.
+const LETTER: usize = 12;
 /// As FLIP's authors take a screen: 0.7 m away, 0.7 m wide, 3840 pixels across (Andersson et al. 2020, sec. 3).
 const PIXELS_PER_DEGREE: f32 = 67.0;
 const MILLISECONDS: u16 = 90;
@@ -29,6 +29,10 @@ fn frames(motion: render::Motion) -> usize {
 /// Zoom and pan of every chain, one ray a pixel through its mips, beside the supersampled truth; under an open sky with
 /// a sun. `done` is called with the share of the work that is done.
 pub fn motion(material: &Material, chains: &[Candidate], done: &(dyn Fn(f64) + Sync)) -> Vec<Motion> {
+    motion_with(material, chains, PIXELS, done)
+}
+
+fn motion_with(material: &Material, chains: &[Candidate], pixels: usize, done: &(dyn Fn(f64) + Sync)) -> Vec<Motion> {
     let scene = Scene::outdoor();
     let form = if material.is_anisotropic() { Form::Anisotropic } else { Form::Isotropic };
     let base = [base_lobes(material, form)];
@@ -37,7 +41,7 @@ pub fn motion(material: &Material, chains: &[Candidate], done: &(dyn Fn(f64) + S
         let share = |part: usize| (i + part) as f64 / render::Motion::ALL.len() as f64;
         done(share(0));
         let draw = |levels, sampling| -> Vec<Image> {
-            sequence(&scene, levels, motion, frames(motion), PIXELS, sampling, &|| ())
+            sequence(&scene, levels, motion, frames(motion), pixels, sampling, &|| ())
         };
         let truth = draw(&base, motion.truth());
         let moving: Vec<Vec<Image>> = chains.iter().map(|chain| draw(&chain.levels, Sampling::mips(1))).collect();
@@ -52,7 +56,7 @@ pub fn motion(material: &Material, chains: &[Candidate], done: &(dyn Fn(f64) + S
         let sheets: Vec<Raster> = (0..truth.len())
             .map(|k| {
                 let picture = |frames: &[Image]| tonemap(&frames[k], scene.exposure);
-                let chosen = shown.iter().map(|&i| (label(&chains[i].name), picture(&moving[i])));
+                let chosen = shown.iter().map(|&i| (label(&chains[i].name, pixels), picture(&moving[i])));
                 let pictures: Vec<(String, Raster)> = chosen.chain([("truth".into(), picture(&truth))]).collect();
                 let labelled: Vec<_> = pictures.iter().map(|(name, picture)| (name.as_str(), picture)).collect();
                 side_by_side(&labelled, ENLARGED)
@@ -68,9 +72,9 @@ pub fn motion(material: &Material, chains: &[Candidate], done: &(dyn Fn(f64) + S
     motions
 }
 
-/// A name as the pictures' small alphabet has it; an ellipsis is not in that.
-fn label(name: &str) -> String {
-    cut(name, LETTERS).replace('\u{2026}', ".")
+/// What of a name fits over a picture, in the pictures' small alphabet; an ellipsis is not in that.
+fn label(name: &str, pixels: usize) -> String {
+    cut(name, pixels * ENLARGED / LETTER).replace('\u{2026}', ".")
 }
 
 /// All chains, or of many the two that look most like the truth and the one that looks least like it, in their order.
@@ -117,7 +121,9 @@ mod tests {
         };
         let chains = [chain("a name that is much too long", Some(1.0)), chain("near", None)];
         let shares = std::sync::Mutex::new(Vec::new());
-        let motions = motion(&material, &chains, &|share| shares.lock().unwrap().push(share));
+        // "truth" just fits.
+        const SMALL: usize = 32;
+        let motions = motion_with(&material, &chains, SMALL, &|share| shares.lock().unwrap().push(share));
         assert!(shares.lock().unwrap().is_sorted() && shares.lock().unwrap().last() == Some(&1.0));
         assert_eq!(motions.iter().map(|m| m.name).collect::<Vec<_>>(), ["zoom", "pan"]);
         for motion in &motions {
@@ -129,7 +135,7 @@ mod tests {
             let info = reader.info();
             assert_eq!((info.width as usize, info.height as usize), motion.size);
             // Three pictures of equal width: no name widens its column.
-            assert_eq!(motion.size.0, 3 * PIXELS * ENLARGED + 2 * 6 + 2 * 14);
+            assert_eq!(motion.size.0, 3 * SMALL * ENLARGED + 2 * 6 + 2 * 14);
             assert_eq!(info.animation_control.unwrap().num_frames, if motion.name == "zoom" { 20 } else { 10 });
         }
     }
