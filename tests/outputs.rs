@@ -11,7 +11,7 @@ use common::{bump, bumps, exr32, mipfold, names, png_levels};
 fn places_that_cannot_be_written_are_refused() {
     let desk = Desk::new();
     desk.file("file", b"x");
-    desk.refuses("--normal @n.png -o @file/below", "@file/below");
+    desk.refuses("--normal @n.png -o @file/below", "@file");
     desk.refuses("--normal @n.png -o @file", "@file");
     // The very file that is read, forced or not.
     exr32(&desk.at("w.exr"), (8, 8), &["R", "G", "B"], |x, y, c| bump(x, y, 8)[c]);
