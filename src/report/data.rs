@@ -153,7 +153,7 @@ fn map(map: &MapFile) -> Map<'_> {
 /// - `path` or `generated` is `null`. `size` of a map is that of the file, before any resampling.
 /// - `first` and `last` of a limit are `null` where it has no such end.
 /// - `plain` names the chain of plain mips that was made for comparison; the top `pass` leaves it out.
-/// - `matters` is one of "yes", "not-needed", "no-help" and "unknown" ([`Matters`](super::Matters)).
+/// - `matters` is one of "yes", "little", "not-needed", "no-help" and "unknown" ([`Matters`](super::Matters)).
 pub fn json(subject: &Subject) -> String {
     let Subject { material, judgement, .. } = subject;
     let chains = judgement.chains.iter().enumerate().map(|(i, chain)| {

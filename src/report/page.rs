@@ -152,6 +152,7 @@ pub(super) fn page_with(subject: &Subject, look: Look, done: &(dyn Fn(f64) + Syn
         chain_count: format!("{} {}", chains.len(), if chains.len() == 1 { "chain" } else { "chains" }),
         tone: match verdict.matters {
             Matters::Yes => "yes",
+            Matters::Little => "little",
             Matters::NotNeeded => "not-needed",
             Matters::NoHelp => "no-help",
             Matters::Unknown => "unknown",
@@ -159,6 +160,7 @@ pub(super) fn page_with(subject: &Subject, look: Look, done: &(dyn Fn(f64) + Syn
         answer: match verdict.matters {
             Matters::Yes if folded => "Fold it",
             Matters::Yes => "Closer",
+            Matters::Little => "Little gain",
             Matters::NotNeeded => "Leave it",
             Matters::NoHelp => "No gain",
             Matters::Unknown => "Open",

@@ -16,6 +16,9 @@ pub const UNSEEN: f64 = 0.05;
 /// Differences below so many combined standard errors may be chance: 1 in 20 for one comparison of equals.
 pub const SIGNIFICANT: f64 = 2.0;
 
+/// Ratios below are called little: they would be written as 1.0, and a tenth of a highlight is not what folding is for.
+pub const LITTLE: f64 = 1.1;
+
 /// Ratios above are not written out: the smaller figure is then mostly noise.
 const LARGEST_RATIO: f64 = 100.0;
 
@@ -25,6 +28,8 @@ const LARGEST_RATIO: f64 = 100.0;
 pub enum Matters {
     /// Plain mips can be seen to be wrong, and a chain is closer to the truth.
     Yes,
+    /// A chain is closer to the truth than plain mips, but by a ratio below [`LITTLE`].
+    Little,
     /// Plain mips stay within [`UNSEEN`] of the truth at every judged level.
     NotNeeded,
     /// Plain mips can be seen to be wrong, but no chain is closer beyond the error of the measurement.
@@ -164,7 +169,14 @@ fn compared(plain: &ChainScore, level: &LevelScore, best: &ChainScore, found: &L
     let figures = format!("lobe error {} against {}", short(error(level)), short(error(found)));
     // Of a chain that somebody else made nobody knows whether it was folded.
     let who = if best.fold.is_some() { "Folding".to_owned() } else { format!("'{name}'") };
-    let (matters, mut text) = if further(found, level).is_some() {
+    let (matters, mut text) = if further(found, level).is_some() && ratio.is_some_and(|ratio| ratio < LITTLE) {
+        let text = format!(
+            "{who} helps little here: at level {k} '{name}' is nearly as far from the truth as plain mips ({} against {})",
+            short(error(found)),
+            short(error(level))
+        );
+        (Matters::Little, text)
+    } else if further(found, level).is_some() {
         let times = match ratio {
             Some(ratio) if ratio <= LARGEST_RATIO => format!("{ratio:.1}"),
             _ => format!("more than {LARGEST_RATIO:.0}"),

@@ -41,6 +41,12 @@ fn verdict_counts_standard_errors() {
     let worse = with(0.5, 0.02);
     assert_eq!(worse.matters, Matters::NoHelp);
     assert!(worse.text.contains("further from the truth than plain mips (0.5 against 0.3)"), "{}", worse.text);
+    let little = with(0.28, 0.001);
+    assert_eq!(little.matters, Matters::Little);
+    assert_eq!(
+        little.text,
+        "Folding helps little here: at level 4 'mine' is nearly as far from the truth as plain mips (0.28 against 0.3)."
+    );
     // An error that is not known proves nothing.
     assert_eq!(with(0.1, f64::NAN).matters, Matters::NoHelp);
 }
