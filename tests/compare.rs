@@ -172,7 +172,15 @@ fn limits_must_meet_a_judged_level_of_every_chain() {
     refuses(&desk, &format!("@out {short} {look} --limit ^5=2"), &["--limit lobe-error@5=2", "'short'", "0 to 2"]);
     refuses(&desk, &format!("@out {short} {look} --levels 4"), &["short", "levels 0 to 2", "--levels 4"]);
     refuses(&desk, &format!("{short} {look} --levels 1,4 --limit 2 --limit energy^2=1"), &["energy@2=1", "0 to 2"]);
-    assert_eq!(run(&desk, &format!("@out {short} {look} --levels 1,5 --limit ^1-5=2")).0, Some(0));
+    // Levels that a limit names must all be there; one without an end takes what there is.
+    refuses(&desk, &format!("@out {short} {look} --levels 1,5 --limit ^1-5=2"), &["@1-5=2", "'short'", "0 to 2"]);
+    assert_eq!(run(&desk, &format!("@out {short} {look} --levels 1,5 --limit ^1-=2")).0, Some(0));
+    // The input itself passes any limit; it is no proof, unless it was asked for.
+    let alone = "normal=@only_%d.png,roughness=@only_r_%d.png,name=alone";
+    std::fs::copy(desk.at("n_0.png"), desk.at("only_0.png")).unwrap();
+    std::fs::copy(desk.at("r_0.png"), desk.at("only_r_0.png")).unwrap();
+    refuses(&desk, &format!("{alone} {look} --limit 0.01"), &["--limit lobe-error=0.01", "'alone'"]);
+    assert_eq!(run(&desk, &format!("{alone} {look} --levels 0 --limit 0.01")).0, Some(0));
 }
 
 /// What stands in the way of a report is found before anything is judged.

@@ -15,7 +15,7 @@ use crate::fold::{self, DEFAULT_FOLD, FOLDS, Fold, Options};
 use crate::material::{Earlier, LevelChain, Material, Texels, base_lobes, load, read_folder};
 use crate::ndf::{Form, Lobes};
 use crate::output::Stage;
-use crate::report::{ChainAbout, verdict};
+use crate::report::{ChainAbout, not_this_surface, verdict};
 
 /// Name of the baseline.
 const PLAIN: &str = "plain mips";
@@ -52,7 +52,7 @@ pub fn run(args: &CompareArgs, global: &Global, report: &mut Report) -> Result<(
     candidates.extend(folds.into_iter().map(|(fold, form)| folded(fold.name, &material, fold, form)));
     let of_surface = |source: &str| ChainAbout { source: source.into(), ..ChainAbout::default() };
     about.resize(candidates.len(), of_surface("folded from the surface"));
-    check_limits(&args.limit, &candidates, &settings)?;
+    check_limits(&args.limit, &candidates, &settings, material.size.level_count())?;
     let plain = (!args.no_plain).then_some(candidates.len());
     if !args.no_plain {
         candidates.push(plain_mips(&material)?);
@@ -75,7 +75,10 @@ pub fn run(args: &CompareArgs, global: &Global, report: &mut Report) -> Result<(
     let findings = judging.run(report)?;
     let subject = judging.subject(&findings);
     subject.judgement.chains.iter().for_each(|chain| report.say(&table(chain)));
-    report.say(&verdict(&subject).text);
+    match not_this_surface(&subject) {
+        Some(warning) => report.warning(&warning),
+        None => report.say(&verdict(&subject).text),
+    }
     report.document(crate::report::json(&subject));
     if let Some(folder) = &args.output {
         let texts = judging::texts(&subject, report)?;
@@ -147,7 +150,7 @@ fn say_chain(chain: &Chain, read: &LevelChain, base: &str, report: &Report) {
 }
 
 /// A limit that covers no level which is judged would never fail, and a chain without one would pass unseen.
-fn check_limits(limits: &[Limit], chains: &[Candidate], settings: &Settings) -> Result<()> {
+fn check_limits(limits: &[Limit], chains: &[Candidate], settings: &Settings, count: usize) -> Result<()> {
     for chain in chains {
         let (name, last) = (&chain.name, chain.levels.len() - 1);
         let judged: Vec<usize> =
@@ -157,8 +160,17 @@ fn check_limits(limits: &[Limit], chains: &[Candidate], settings: &Settings) -> 
             let found = format!("levels 0 to {last}, of which none is judged");
             return Err(Error::invalid_option(name, found, format!("one of --levels {wanted}")));
         }
-        if let Some(limit) = limits.iter().find(|limit| !judged.iter().any(|level| limit.covers(*level))) {
-            let found = format!("no judged level of '{name}' that it covers");
+        let wanted = |level: usize| settings.levels.is_empty() || settings.levels.contains(&level);
+        let passes_unseen = |limit: &&Limit| {
+            let named = limit.levels.as_ref().is_some_and(|levels| *levels.end() < usize::MAX);
+            // Level 0 is the input again, and passes by itself: it counts where it was asked for.
+            let counts = |level: usize| level > 0 || named || settings.levels.contains(&0);
+            let seen = judged.iter().any(|level| limit.covers(*level) && counts(*level));
+            let missing = (last + 1..count).any(|level| wanted(level) && limit.covers(level));
+            !seen || (named && missing)
+        };
+        if let Some(limit) = limits.iter().find(passes_unseen) {
+            let found = format!("levels of '{name}' that it covers and that are not there or not judged");
             let judged = judged.iter().map(usize::to_string).collect::<Vec<_>>().join(", ");
             let expected = format!("a level that is judged: {judged} ('{name}' has levels 0 to {last})");
             return Err(Error::invalid_option(format!("--limit {limit}"), found, expected));

@@ -86,7 +86,7 @@ pub struct LookArgs {
     /// Levels to judge: 3, 1-6, or 1,4- [default: all]
     #[arg(long, value_name = "LEVELS", value_parser = LevelList::from_str)]
     pub levels: Option<LevelList>,
-    /// Texels judged in each level: a number, or all
+    /// Texels judged in each level at most: a number, or all
     #[arg(long, value_name = "N|all", default_value = "64", value_parser = texels)]
     pub texels: usize,
     /// Half vectors drawn from each footprint

@@ -255,7 +255,7 @@ impl Builder<'_> {
         let channel = input.channel.unwrap_or(if count >= 3 { 1 } else { 0 });
         if channel >= count {
             let found = if count == 1 { "one channel (gray)".into() } else { format!("channels {}", names.join(" ")) };
-            let expected = format!("a {} channel for the roughness", colour(channel));
+            let expected = format!("a channel {} for the roughness", colour(channel));
             return Err(Error::invalid(&input.path, found, expected));
         }
         let word = if role == Role::Roughness { "roughness" } else { "smoothness" };

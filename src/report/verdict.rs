@@ -4,6 +4,7 @@ use serde::Serialize;
 
 use super::Subject;
 use crate::compare::{ChainScore, LevelScore};
+use crate::reference::Interpolation;
 
 /// Lobe errors up to this are not worth a chain of its own.
 ///
@@ -81,15 +82,16 @@ fn order(error: f64) -> f64 {
 /// What the figures say about plain mips and the best chain, at the level where plain mips are furthest from the truth
 /// among those that another chain has as well. A chain whose level 0 is not the surface is named first.
 pub fn verdict(subject: &Subject) -> Verdict {
-    let verdict = of_levels(subject);
-    match not_this_surface(subject) {
-        Some(warning) => Verdict { text: format!("{warning} {}", verdict.text), ..verdict },
-        None => verdict,
-    }
+    // Of a chain of another surface no gain can be told.
+    not_this_surface(subject).map_or_else(|| of_levels(subject), |warning| Verdict::unknown(warning, Some(0)))
 }
 
-/// A chain of this surface is right at level 0, but for rounding.
-fn not_this_surface(subject: &Subject) -> Option<String> {
+/// A chain of this surface is right at level 0, but for rounding; where the surface is what lies between the texels, no
+/// chain is.
+pub fn not_this_surface(subject: &Subject) -> Option<String> {
+    if subject.settings.reading.interpolation != Interpolation::Constant {
+        return None;
+    }
     let level_0 = |chain: &ChainScore| chain.levels.iter().find(|level| level.level == 0).map(error);
     let found = subject.judgement.chains.iter().filter_map(|chain| Some((&chain.name, level_0(chain)?)));
     let found: Vec<_> = found.filter(|(_, error)| *error > UNSEEN).collect();
@@ -117,9 +119,15 @@ fn of_levels(subject: &Subject) -> Verdict {
         return Verdict::unknown(text, Some(at));
     }
     if error(furthest) <= UNSEEN {
+        let seen = |chain: &&ChainScore| worst(chain).is_some_and(|level| order(error(level)) > UNSEEN);
+        let clauses = others.iter().copied().filter(seen).filter_map(|chain| {
+            let clause = behind(plain, chain)?;
+            Some(clause.replacen("it is", &format!("'{}' is", chain.name), 1))
+        });
         let text = format!(
-            "This material needs nothing: plain mips stay within {} of the truth at every judged level.",
-            bound(error(furthest))
+            "This material needs nothing: plain mips stay within {} of the truth at every judged level{}.",
+            bound(error(furthest)),
+            clauses.map(|clause| format!(", {clause}")).collect::<String>()
         );
         return Verdict { matters: Matters::NotNeeded, text, level: Some(at), chain: None, ratio: None };
     }
@@ -169,6 +177,7 @@ fn compared(plain: &ChainScore, level: &LevelScore, best: &ChainScore, found: &L
     let figures = format!("lobe error {} against {}", short(error(level)), short(error(found)));
     // Of a chain that somebody else made nobody knows whether it was folded.
     let who = if best.fold.is_some() { "Folding".to_owned() } else { format!("'{name}'") };
+    let what = if best.fold.is_some() { "folding".to_owned() } else { format!("'{name}'") };
     let (matters, mut text) = if further(found, level).is_some() && ratio.is_some_and(|ratio| ratio < LITTLE) {
         let text = format!(
             "{who} helps little here: at level {k} '{name}' is nearly as far from the truth as plain mips ({} against {})",
@@ -196,10 +205,10 @@ fn compared(plain: &ChainScore, level: &LevelScore, best: &ChainScore, found: &L
         (Matters::NoHelp, text)
     } else {
         let text = format!(
-            "{who} does not help here: at level {k} plain mips and the best chain, '{name}', cannot be told apart \
-             ({figures})"
+            "It cannot be told whether {what} helps here: at level {k} plain mips and the best chain, '{name}', are equal \
+             within the error of the measurement ({figures}); more texels would tell"
         );
-        (Matters::NoHelp, text)
+        (Matters::Unknown, text)
     };
     if let Some(clause) = behind(plain, best).filter(|_| matters == Matters::Yes) {
         text = format!("{text}, {clause}");
@@ -219,10 +228,11 @@ fn without_plain(chains: &[&ChainScore]) -> Verdict {
             Some(k),
         );
     }
-    let who = if worst.len() == 1 { format!("'{name}' stays") } else { format!("The closest chain, '{name}', stays") };
+    let who = if worst.len() == 1 { format!("'{name}' is") } else { format!("The closest chain, '{name}', is") };
     let text = format!(
-        "{who} within {} of the truth at every judged level, worst at level {k}; there are no plain mips to compare with.",
-        bound(error(level))
+        "{who} {} from the truth at level {k}, its worst (0 is the truth, 2 nothing in common); there are no plain mips \
+         to compare with.",
+        short(error(level))
     );
     Verdict::unknown(text, Some(k))
 }

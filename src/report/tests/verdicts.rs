@@ -2,6 +2,8 @@
 
 use super::super::{Matters, UNSEEN};
 use super::{Stage, usual};
+use crate::image::Wrap;
+use crate::reference::Interpolation;
 
 #[test]
 fn verdict_that_folding_matters() {
@@ -23,6 +25,17 @@ fn verdict_that_nothing_is_needed() {
 }
 
 #[test]
+fn verdict_names_a_chain_that_spoils_what_needs_nothing() {
+    let found = Stage::new(&[("plain", "average", 0.02), ("mine", "projected", 0.5)]).verdict();
+    assert_eq!(found.matters, Matters::NotNeeded);
+    assert!(
+        found.text.contains("at every judged level, but at level ") && found.text.contains("'mine' is further: "),
+        "{}",
+        found.text
+    );
+}
+
+#[test]
 fn verdict_counts_standard_errors() {
     let with = |mine: f64, stderr: f64| {
         let mut stage = Stage::new(&[("plain", "average", 0.3), ("mine", "projected", mine)]);
@@ -32,12 +45,8 @@ fn verdict_counts_standard_errors() {
     // Two combined errors are 2 sqrt(2) 0.02 = 0.057.
     assert_eq!(with(0.24, 0.02).matters, Matters::Yes);
     let same = with(0.25, 0.02);
-    assert_eq!(same.matters, Matters::NoHelp);
-    assert!(
-        same.text.starts_with("Folding does not help here: ") && same.text.contains("cannot be told apart"),
-        "{}",
-        same.text
-    );
+    assert_eq!(same.matters, Matters::Unknown);
+    assert!(same.text.starts_with("It cannot be told whether folding helps here: at level 4 "), "{}", same.text);
     let worse = with(0.5, 0.02);
     assert_eq!(worse.matters, Matters::NoHelp);
     assert!(worse.text.contains("further from the truth than plain mips (0.5 against 0.3)"), "{}", worse.text);
@@ -48,7 +57,7 @@ fn verdict_counts_standard_errors() {
         "Folding helps little here: at level 4 'mine' is nearly as far from the truth as plain mips (0.28 against 0.3)."
     );
     // An error that is not known proves nothing.
-    assert_eq!(with(0.1, f64::NAN).matters, Matters::NoHelp);
+    assert_eq!(with(0.1, f64::NAN).matters, Matters::Unknown);
 }
 
 #[test]
@@ -56,12 +65,12 @@ fn verdict_without_what_it_needs() {
     let alone = Stage::new(&[("mine", "projected", 0.12)]).verdict();
     assert_eq!((alone.matters, alone.level), (Matters::Unknown, Some(4)));
     assert!(
-        alone.text.starts_with("'mine' stays within 0.12 of the truth at every judged level, worst at level 4"),
+        alone.text.starts_with("'mine' is 0.12 from the truth at level 4, its worst (0 is the truth"),
         "{}",
         alone.text
     );
     let two = Stage::new(&[("a", "lean", 0.2), ("b", "projected", 0.1)]).verdict();
-    assert!(two.text.starts_with("The closest chain, 'b', stays within 0.1 "), "{}", two.text);
+    assert!(two.text.starts_with("The closest chain, 'b', is 0.1 from the truth"), "{}", two.text);
     let plain = Stage::new(&[("plain", "average", 0.4)]).verdict();
     assert!(plain.text.contains("0.4 from the truth at level 4; no other chain"), "{}", plain.text);
     // Level 0 alone decides nothing, and an error that is not a number is not a small one.
@@ -124,10 +133,15 @@ fn verdict_warns_of_another_surface() {
     stage.judgement.chains[2].levels[0].lobe_error.mean = 0.41;
     let found = stage.verdict();
     assert!(found.text.starts_with("Level 0 of 'theirs' (lobe error 0.41) is not this surface"), "{}", found.text);
-    assert_eq!(found.matters, Matters::Yes);
+    // Of another surface no gain can be told.
+    assert_eq!((found.matters, found.level), (Matters::Unknown, Some(0)));
     let html = stage.page();
     assert!(html.contains(">Level 0<") && html.contains("<td class=\"num\">0.41</td>"));
     assert!(!html.contains("The first level is the input itself"));
+    // What lies between the texels is no error of a chain's level 0.
+    stage.settings.reading.interpolation = Interpolation::Bilinear { per_side: 4, wrap: Wrap::Repeat };
+    assert!(stage.verdict().text.starts_with("Folding"));
+    stage.settings.reading.interpolation = Interpolation::Constant;
     // Rounding is no other surface.
     stage.judgement.chains[2].levels[0].lobe_error.mean = 0.02;
     assert!(stage.verdict().text.starts_with("Folding"));
