@@ -18,7 +18,7 @@ mod verdict;
 pub use data::{CSV_MARK, SCHEMA, csv, json, passes};
 pub use motion::motion;
 pub use page::{HTML_MARK, page};
-pub use verdict::{Matters, SIGNIFICANT, UNSEEN, Verdict, not_this_surface, verdict};
+pub use verdict::{LITTLE, Matters, SIGNIFICANT, UNSEEN, Verdict, not_this_surface, verdict};
 
 use serde::Serialize;
 
