@@ -28,7 +28,7 @@ fn material(sample: &str) -> Material {
 
 fn levels(material: &Material, fold: &'static Fold, form: Form) -> Vec<Lobes> {
     let folded = chain(material, &Options { fold, form, ..Options::default() });
-    std::iter::once(base_lobes(material, form)).chain(folded.levels.into_iter().map(|level| level.lobes)).collect()
+    folded.into_lobes(base_lobes(material, form))
 }
 
 /// Sum of absolute differences to the supersampled truth, over its sum; mean of sphere and panel.

@@ -49,8 +49,7 @@ fn report() -> String {
     let base = base_lobes(&material, Form::Isotropic);
     let folds = [Fold::by_name("average").unwrap(), DEFAULT_FOLD, Fold::by_name("lean").unwrap()];
     let chains = folds.map(|fold| {
-        let levels = chain(&material, &Options { fold, ..Options::default() }).levels.into_iter();
-        let levels = std::iter::once(base.clone()).chain(levels.map(|level| level.lobes)).collect();
+        let levels = chain(&material, &Options { fold, ..Options::default() }).into_lobes(base.clone());
         Candidate { name: format!("by {}", fold.name), fold: Some(fold.name.into()), levels }
     });
     let reading = Reading { most_texels: Some(64), ..Reading::default() };
@@ -102,8 +101,7 @@ fn a_page_of_many_chains_in_motion_stays_small() {
     let chains: Vec<Candidate> = (0..9)
         .map(|i| {
             let options = Options { fold: &FOLDS[i % FOLDS.len()], ..Options::default() };
-            let levels = chain(&material, &options).levels.into_iter().map(|level| level.lobes);
-            let levels = std::iter::once(base.clone()).chain(levels).collect();
+            let levels = chain(&material, &options).into_lobes(base.clone());
             Candidate { name: format!("chain {i}"), fold: Some(options.fold.name.into()), levels }
         })
         .collect();

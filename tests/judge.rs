@@ -18,7 +18,7 @@ fn material(normal: &std::path::Path, alpha: f32) -> Material {
 
 fn folded(texels: &dyn Texels, fold: &'static Fold, form: Form) -> Vec<Lobes> {
     let folded = chain(texels, &Options { fold, form, ..Options::default() });
-    std::iter::once(base_lobes(texels, form)).chain(folded.levels.into_iter().map(|level| level.lobes)).collect()
+    folded.into_lobes(base_lobes(texels, form))
 }
 
 fn candidate(name: &str, levels: Vec<Lobes>) -> Candidate {

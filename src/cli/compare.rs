@@ -232,8 +232,7 @@ pub fn levels(material: &Material, chain: fold::Chain, form: Form) -> Vec<Lobes>
     let in_form = |lobes: Lobes| {
         if lobes.form() == form { lobes } else { Lobes::from_fn(form, lobes.size(), |x, y| lobes.at(x, y)) }
     };
-    let coarser = chain.levels.into_iter().map(|level| in_form(level.lobes));
-    std::iter::once(base_lobes(material, form)).chain(coarser).collect()
+    chain.into_lobes(base_lobes(material, form)).into_iter().map(in_form).collect()
 }
 
 /// Names that stand for one chain each.

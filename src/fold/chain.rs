@@ -11,7 +11,7 @@ use super::{DEFAULT_FOLD, Fold, Level, level::Band};
 use crate::image::{Size, spans};
 use crate::material::Texels;
 use crate::moments::{Block, Layout, Needs, Quads, Scratch, TexelRows, UNUSABLE_WEIGHT, reduce_rows};
-use crate::ndf::Form;
+use crate::ndf::{Form, Lobes};
 use crate::roughness::Alpha;
 
 /// Levels that one pass over the texels folds: bands of 64 rows are enough to keep many cores busy.
@@ -58,6 +58,13 @@ pub struct Chain {
     pub size: Size,
     /// Levels 1, 2, ... down to 1x1; empty for a 1x1 material.
     pub levels: Vec<Level>,
+}
+
+impl Chain {
+    /// All levels as lobes, level 0, which is `base`, first: what a renderer or a judge takes.
+    pub fn into_lobes(self, base: Lobes) -> Vec<Lobes> {
+        std::iter::once(base).chain(self.levels.into_iter().map(|level| level.lobes)).collect()
+    }
 }
 
 /// Folds all levels of a material, in parallel; the result does not depend on the number of threads.

@@ -5,6 +5,11 @@ use rayon::prelude::*;
 use super::Texels;
 use crate::ndf::{Form, Lobes, RoughnessTensor};
 
+/// Level 0 in the form that the surface itself has, so that nothing is lost.
+pub fn surface_lobes(texels: &dyn Texels) -> Lobes {
+    base_lobes(texels, if texels.is_anisotropic() { Form::Anisotropic } else { Form::Isotropic })
+}
+
 /// Level 0 as lobes: what a renderer shades close up.
 pub fn base_lobes(texels: &dyn Texels, form: Form) -> Lobes {
     let size = texels.size();

@@ -22,7 +22,7 @@ pub use inputs::{ChannelRef, DEFAULT_HEIGHT_SCALE, DEFAULT_ROUGHNESS, Inputs, Ro
 pub use inspect::Findings;
 pub use levels::{Container, LOBE_CHANNELS, LevelChain, read_folder, read_lobes, read_maps};
 pub use load::{ReadPicture, load, load_with};
-pub use lobes::base_lobes;
+pub use lobes::{base_lobes, surface_lobes};
 pub use pack::{Encoding, LevelView};
 pub use role::{NormalRange, NormalY, NormalZ, Role};
 pub use source::{MapFile, Material, Origin};

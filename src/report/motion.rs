@@ -5,8 +5,7 @@ use super::{MANY, Motion};
 use crate::codec::write_apng;
 use crate::compare::{Candidate, MotionScore, score_motion};
 use crate::image::Raster;
-use crate::material::{Material, Texels, base_lobes};
-use crate::ndf::Form;
+use crate::material::{Material, surface_lobes};
 use crate::render::{self, Image, Sampling, Scene, display, sequence, side_by_side, tonemap};
 
 /// Pixels along a side of a picture: two animations of four pictures stay well below the page's 5 MB.
@@ -34,8 +33,7 @@ pub fn motion(material: &Material, chains: &[Candidate], done: &(dyn Fn(f64) + S
 
 fn motion_with(material: &Material, chains: &[Candidate], pixels: usize, done: &(dyn Fn(f64) + Sync)) -> Vec<Motion> {
     let scene = Scene::outdoor();
-    let form = if material.is_anisotropic() { Form::Anisotropic } else { Form::Isotropic };
-    let base = [base_lobes(material, form)];
+    let base = [surface_lobes(material)];
     let mut motions = Vec::new();
     for (i, motion) in render::Motion::ALL.into_iter().enumerate() {
         let share = |part: usize| (i + part) as f64 / render::Motion::ALL.len() as f64;
@@ -91,6 +89,8 @@ fn to_show(scores: &[MotionScore]) -> Vec<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::material::base_lobes;
+    use crate::ndf::Form;
 
     /// Two chains of a material of 16 x 16 texels: scores stand in the order of the chains, and the animation has as
     /// many frames and pixels as it says.

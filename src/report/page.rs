@@ -12,8 +12,7 @@ use super::verdict::short;
 use super::{ChainAbout, Matters, Subject, verdict};
 use crate::compare::Candidate;
 use crate::error::{Error, Result};
-use crate::material::{Origin, base_lobes};
-use crate::ndf::Form;
+use crate::material::{Origin, surface_lobes};
 use crate::reference::Interpolation;
 use crate::render::DISTANCES;
 
@@ -127,12 +126,7 @@ pub fn page(subject: &Subject, done: &(dyn Fn(f64) + Sync)) -> Result<String> {
 pub(super) fn page_with(subject: &Subject, look: Look, done: &(dyn Fn(f64) + Sync)) -> Result<String> {
     let Subject { material, chains, .. } = subject;
     done(0.0);
-    let form = if subject.chains.iter().any(|c| c.levels[0].form() == Form::Anisotropic) {
-        Form::Anisotropic
-    } else {
-        Form::Isotropic
-    };
-    let base = base_lobes(*material, form);
+    let base = surface_lobes(*material);
     // The strip is by far the longest part.
     let columns = strip::columns(&base, chains, look, &|share| done(0.8 * share))?;
     let spreads: Vec<Vec<Spread>> = chains.iter().map(|c| c.levels.iter().map(Spread::of).collect()).collect();

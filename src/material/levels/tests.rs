@@ -67,7 +67,7 @@ fn build(change: impl FnOnce(&mut Inputs), form: Form) -> Build {
     };
     let plan = Plan::new(&material, &request);
     write(&material, &chain, &options, &plan, &request, &|| {}).unwrap();
-    let levels = [base_lobes(&material, form)].into_iter().chain(chain.levels.into_iter().map(|l| l.lobes)).collect();
+    let levels = chain.into_lobes(base_lobes(&material, form));
     Build { folder, material, levels }
 }
 

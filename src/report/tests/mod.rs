@@ -51,12 +51,7 @@ impl Stage {
         let base = base_lobes(&material, Form::Isotropic);
         let candidate = |(name, fold, _): &(&str, &str, f64)| {
             let folded = chain(&material, &Options { fold: Fold::by_name(fold).unwrap(), ..Options::default() });
-            let levels = folded.levels.into_iter().map(|level| level.lobes);
-            Candidate {
-                name: (*name).into(),
-                fold: Some((*fold).into()),
-                levels: std::iter::once(base.clone()).chain(levels).collect(),
-            }
+            Candidate { name: (*name).into(), fold: Some((*fold).into()), levels: folded.into_lobes(base.clone()) }
         };
         let candidates: Vec<_> = chains.iter().map(candidate).collect();
         let scores = chains.iter().map(|(name, fold, most)| scores(name, fold, *most)).collect();
