@@ -260,6 +260,7 @@ impl FoldArgs {
         Ok(Options {
             fold: self.fold,
             form,
+            lobes: 1,
             strength: self.strength,
             min_alpha: Alpha(self.min_alpha),
             max_alpha: Alpha(self.max_alpha),

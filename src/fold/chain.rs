@@ -28,6 +28,8 @@ pub struct Options {
     pub fold: &'static Fold,
     /// One width or two. A method without an anisotropic form gives one.
     pub form: Form,
+    /// Lobes a texel, 1 to [`crate::ndf::MOST_LOBES`].
+    pub lobes: usize,
     /// Share of what the fold adds to the mean alpha^2: 0 nothing, 1 all of it; more exaggerates. `average` adds nothing.
     pub strength: f32,
     /// Smallest width written in any level but the first.
@@ -43,6 +45,7 @@ impl Default for Options {
         Self {
             fold: DEFAULT_FOLD,
             form: Form::Isotropic,
+            lobes: 1,
             strength: 1.0,
             min_alpha: Alpha(0.0),
             max_alpha: Alpha(1.0),

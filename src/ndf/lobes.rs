@@ -27,18 +27,32 @@ impl Form {
     }
 }
 
+/// Most lobes of a texel.
+pub const MOST_LOBES: usize = 4;
+
 /// One mip level as lobes: planes of f32, axes (plane, row, column). Planes 0..3 hold the unit normal; an
 /// isotropic image adds alpha^2, an anisotropic one `R.xx R.xy R.yy` in the bent frame of the normal.
+///
+/// A texel may hold several lobes: then each has these planes and one more, its weight, one lobe after the other. A weight
+/// is the share of the texel's area that the lobe stands for; they sum to 1, and a lobe of weight 0 is not there.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Lobes {
     form: Form,
+    count: usize,
     planes: Array3<f32>,
 }
 
 impl Lobes {
     /// All zeros, to be filled.
     pub fn zeros(form: Form, size: Size) -> Self {
-        Self { form, planes: Array3::zeros((form.planes(), size.height, size.width)) }
+        Self::mixed_zeros(form, 1, size)
+    }
+
+    /// All zeros, `count` lobes a texel, 1 to [`MOST_LOBES`].
+    pub fn mixed_zeros(form: Form, count: usize, size: Size) -> Self {
+        assert!((1..=MOST_LOBES).contains(&count));
+        let planes = if count == 1 { form.planes() } else { count * (form.planes() + 1) };
+        Self { form, count, planes: Array3::zeros((planes, size.height, size.width)) }
     }
 
     /// One lobe a texel.
@@ -64,15 +78,39 @@ impl Lobes {
         self.form
     }
 
+    /// Lobes a texel.
+    pub fn count(&self) -> usize {
+        self.count
+    }
+
+    /// Planes from the first of a lobe to the first of the next one.
+    pub fn stride(&self) -> usize {
+        self.form.planes() + usize::from(self.count > 1)
+    }
+
     /// Width and height.
     pub fn size(&self) -> Size {
         let (_, height, width) = self.planes.dim();
         Size::new(width, height)
     }
 
-    /// The lobe of a texel.
+    /// The lobe of a texel; the first, of several.
     pub fn at(&self, x: usize, y: usize) -> Lobe {
-        let p = |plane| self.planes[(plane, y, x)];
+        self.lobe(0, x, y)
+    }
+
+    /// All lobes of a texel that are there, each with its weight.
+    pub fn mixture(&self, x: usize, y: usize) -> impl Iterator<Item = (Lobe, f32)> + '_ {
+        let weight = move |j: usize| match self.count {
+            1 => 1.0,
+            _ => self.planes[(j * self.stride() + self.form.planes(), y, x)],
+        };
+        (0..self.count).map(move |j| (self.lobe(j, x, y), weight(j))).filter(|(_, weight)| *weight > 0.0)
+    }
+
+    /// Lobe `j` of a texel.
+    fn lobe(&self, j: usize, x: usize, y: usize) -> Lobe {
+        let p = |plane| self.planes[(j * self.stride() + plane, y, x)];
         let roughness = match self.form {
             Form::Isotropic => RoughnessTensor { xx: p(3), xy: 0.0, yy: p(3) },
             Form::Anisotropic => RoughnessTensor { xx: p(3), xy: p(4), yy: p(5) },

@@ -7,7 +7,7 @@ mod tensor;
 
 pub use frame::{Frame, bent_from_transported};
 pub use lobe::Lobe;
-pub use lobes::{Form, Lobes};
+pub use lobes::{Form, Lobes, MOST_LOBES};
 pub use tensor::{Axes, RoughnessTensor};
 
 use glam::DVec3;
