@@ -61,7 +61,7 @@ fn folds(criterion: &mut Criterion) {
             });
         });
         for form in [Form::Isotropic, Form::Anisotropic] {
-            for fold in FOLDS.iter().filter(|f| form == Form::Isotropic || f.anisotropic.is_some()) {
+            for fold in FOLDS.iter().filter(|f| form == Form::Isotropic || f.has_two_widths()) {
                 let options = Options { fold, form, ..Options::default() };
                 group.bench_function(BenchmarkId::new(fold.name, format!("{form:?}")), |b| {
                     b.iter(|| pool.install(|| chain(black_box(&texels), &options)));

@@ -60,6 +60,7 @@
 //! | [`mod@reference`] | the exact NDF and the exact shading of a footprint, in f64 |
 //! | [`compare`] | how far a chain is from that, and a picture from another |
 //! | [`moments`] | sums over a footprint that merge without loss |
+//! | [`summary`] | a footprint in a bounded number of lobes |
 //! | [`fold`] | a footprint becomes a lobe: the list of folds, and the loop over levels |
 //! | [`output`] | a chain becomes files: PNG, EXR, manifest; whole or not at all |
 //! | [`sample`] | six materials made by code |
@@ -101,6 +102,7 @@ pub mod render;
 pub mod report;
 pub mod roughness;
 pub mod sample;
+pub mod summary;
 
 pub use error::{Error, Result};
 

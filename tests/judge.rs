@@ -145,7 +145,7 @@ fn table(textures: &std::path::Path) -> Vec<(f32, Vec<(&'static str, f64)>)> {
             let mut sums = vec![0.0; folds.len()];
             for map in maps {
                 let material = material(&textures.join(map), alpha);
-                let form = |fold: &Fold| if fold.anisotropic.is_some() { Form::Anisotropic } else { Form::Isotropic };
+                let form = |fold: &Fold| if fold.has_two_widths() { Form::Anisotropic } else { Form::Isotropic };
                 let chain = |fold: &&'static Fold| candidate(fold.name, folded(&material, fold, form(fold)));
                 let chains: Vec<_> = folds.iter().map(chain).collect();
                 let judgement = judge(&material, &chains, &settings, &|_| ()).unwrap();
@@ -215,7 +215,7 @@ fn ranking_of_all_folds_on_all_real_normal_maps() {
     let entries: Vec<_> = forms
         .iter()
         .flat_map(|form| FOLDS.iter().map(move |fold| (fold, *form)))
-        .filter(|(fold, form)| *form == Form::Isotropic || fold.anisotropic.is_some())
+        .filter(|(fold, form)| *form == Form::Isotropic || fold.has_two_widths())
         .collect();
     let settings = Settings { texels: Some(16), directions: 40, levels: (1..=6).collect(), ..Settings::default() };
     let alphas = [0.05, 0.1, 0.2, 0.4];

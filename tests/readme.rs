@@ -57,7 +57,7 @@ fn table_of_folds_is_the_list_of_folds() {
     let widths = |two: bool| if two { "one or two" } else { "one" };
     let expected: Vec<[String; 4]> = FOLDS
         .iter()
-        .map(|f| [format!("`{}`", f.name), f.about.into(), widths(f.anisotropic.is_some()).into(), f.cite.into()])
+        .map(|f| [format!("`{}`", f.name), f.about.into(), widths(f.has_two_widths()).into(), f.cite.into()])
         .collect();
     let table = between(README, FOLDS_BEGIN, FOLDS_END);
     if std::env::var_os("BLESS").is_some() {

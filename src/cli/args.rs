@@ -80,7 +80,7 @@ pub fn entry(name: &str, about: &str) -> String {
 /// Names of folds, for the help.
 pub fn fold_list() -> String {
     let lines = FOLDS.iter().map(|fold| {
-        let form = if fold.anisotropic.is_some() { "" } else { " (one width only)" };
+        let form = if fold.has_two_widths() { "" } else { " (one width only)" };
         entry(fold.name, &format!("{}{form}", fold.about))
     });
     format!("Folds:\n{}\n\n{EXIT_CODES}", lines.collect::<Vec<_>>().join("\n"))
@@ -242,8 +242,8 @@ impl FoldArgs {
 
     pub fn options(&self, slope_moments: bool) -> crate::error::Result<Options> {
         let form = self.form().unwrap_or(Form::Isotropic);
-        if form == Form::Anisotropic && self.fold.anisotropic.is_none() {
-            let names: Vec<_> = FOLDS.iter().filter(|f| f.anisotropic.is_some()).map(|f| f.name).collect();
+        if form == Form::Anisotropic && !self.fold.has_two_widths() {
+            let names: Vec<_> = FOLDS.iter().filter(|f| f.has_two_widths()).map(|f| f.name).collect();
             return Err(crate::Error::invalid_option(
                 "--lobes aniso",
                 format!("fold '{}', which has one width only", self.fold.name),

@@ -191,7 +191,7 @@ fn folds(args: &CompareArgs, material: &Material) -> Result<Vec<(&'static Fold, 
     for choice in &args.fold {
         match choice {
             FoldChoice::One(fold) => {
-                if args.lobes == Some(LobesArg::Aniso) && fold.anisotropic.is_none() {
+                if args.lobes == Some(LobesArg::Aniso) && !fold.has_two_widths() {
                     let found = format!("fold '{}', which has one width only", fold.name);
                     return Err(Error::invalid_option("--lobes aniso", found, "folds of two widths"));
                 }
@@ -209,7 +209,7 @@ fn folds(args: &CompareArgs, material: &Material) -> Result<Vec<(&'static Fold, 
         folds.push(DEFAULT_FOLD);
     }
     let aniso = args.lobes.map_or(material.is_anisotropic(), |lobes| lobes == LobesArg::Aniso);
-    let form = |fold: &Fold| if aniso && fold.anisotropic.is_some() { Form::Anisotropic } else { Form::Isotropic };
+    let form = |fold: &Fold| if aniso && fold.has_two_widths() { Form::Anisotropic } else { Form::Isotropic };
     Ok(folds.into_iter().map(|fold| (fold, form(fold))).collect())
 }
 

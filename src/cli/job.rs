@@ -67,7 +67,7 @@ impl Job<'_> {
 
     /// Two widths, unless asked otherwise, for a material that brings anisotropy: one width would lose it.
     fn choose_form(&self, material: &mut Material) -> Form {
-        let defined = self.options.fold.anisotropic.is_some();
+        let defined = self.options.fold.has_two_widths();
         match self.form {
             Some(Form::Isotropic) if material.is_anisotropic() => {
                 material.warnings.push("one width loses the anisotropy map from level 1 on; see --lobes aniso".into());

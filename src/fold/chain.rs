@@ -7,12 +7,13 @@
 
 use rayon::prelude::*;
 
-use super::{DEFAULT_FOLD, Fold, Level, level::Band};
+use super::{DEFAULT_FOLD, Fold, Level, Method, level::Band};
 use crate::image::{Size, spans};
 use crate::material::Texels;
 use crate::moments::{Block, Layout, Needs, Quads, Scratch, TexelRows, UNUSABLE_WEIGHT, reduce_rows};
 use crate::ndf::{Form, Lobes};
 use crate::roughness::Alpha;
+use crate::summary::{self, Summaries};
 
 /// Levels that one pass over the texels folds: bands of 64 rows are enough to keep many cores busy.
 const TRUNK_LEVELS: usize = 6;
@@ -73,25 +74,28 @@ impl Chain {
 /// Folds all levels of a material, in parallel; the result does not depend on the number of threads.
 pub fn chain(texels: &dyn Texels, options: &Options) -> Chain {
     let size = texels.size();
-    let needs = options.fold.needs.and(if options.slope_moments { Needs::SLOPE_COV } else { Needs::NORMAL });
+    assert!(options.lobes == 1 || options.fold.has_mixtures(), "the fold gives one lobe a texel");
+    let (needs, most) = match &options.fold.method {
+        Method::Moments(fold) => (fold.needs, 0),
+        Method::Lobes { most, .. } => (Needs::NORMAL, *most),
+    };
+    let needs = needs.and(if options.slope_moments { Needs::SLOPE_COV } else { Needs::NORMAL });
     let needs = if options.strength == 1.0 { needs } else { needs.and(Needs::TENSOR) };
     let layout = Layout::new(needs, !texels.is_anisotropic(), texels.extras());
     let count = size.level_count();
-    let mut levels: Vec<_> =
-        (1..count).map(|k| Level::zeros(options.form, size.level(k), texels.extras(), options.slope_moments)).collect();
-    let job = Job { texels, options, layout: &layout, size };
+    let mut levels: Vec<_> = (1..count).map(|k| Level::zeros(options, size.level(k), texels.extras())).collect();
+    let job = Job { texels, options, layout: &layout, most, size };
     let trunk = halvings(size);
     let sources: Vec<_> = (0..count).map(|k| job.source(trunk, k)).collect();
-    // Moments of the levels that a coarser level is merged from.
-    let mut kept: Vec<Option<Block>> = (0..count).map(|_| None).collect();
+    // What is known of the levels that a coarser level is merged from.
+    let mut kept: Vec<Option<Kept>> = (0..count).map(|_| None).collect();
     let (halved, rest) = levels.split_at_mut(trunk);
     if trunk > 0 {
         kept[trunk] = job.fold_trunk(halved, sources.contains(&trunk));
     }
     for (k, level) in (trunk + 1..).zip(rest) {
         let keep = sources[k..].contains(&k);
-        let block = job.fold_level(level, kept[sources[k]].as_ref(), size.level(k), keep);
-        kept[k] = block;
+        kept[k] = job.fold_level(level, kept[sources[k]].as_ref(), size.level(k), keep);
     }
     Chain { size, levels }
 }
@@ -105,7 +109,23 @@ struct Job<'a> {
     texels: &'a dyn Texels,
     options: &'a Options,
     layout: &'a Layout,
+    /// Most lobes of a summary; 0 where the fold reads none.
+    most: usize,
     size: Size,
+}
+
+/// Moments of the texels of a level, and their summaries.
+#[derive(Default)]
+struct Kept {
+    moments: Block,
+    summaries: Summaries,
+}
+
+impl Kept {
+    fn stack(layout: &Layout, rows: Vec<Kept>) -> Self {
+        let (moments, summaries): (Vec<_>, Vec<_>) = rows.into_iter().map(|k| (k.moments, k.summaries)).unzip();
+        Self { moments: Block::stack(layout, &moments), summaries: Summaries::stack(&summaries) }
+    }
 }
 
 impl Job<'_> {
@@ -119,87 +139,124 @@ impl Job<'_> {
         (trunk.max(1)..k).rev().find(nests).unwrap_or(0)
     }
 
-    /// Folds levels 1 to `levels.len()`, each as soon as two rows of the finer one are there. Returns the moments of
-    /// the last if they are to be kept.
-    fn fold_trunk(&self, levels: &mut [Level], keep: bool) -> Option<Block> {
+    /// Lobes of a summary of level `k` of those that halve exactly.
+    fn lobes(&self, k: usize) -> usize {
+        self.most.min(1 << (2 * k).min(16))
+    }
+
+    /// Folds levels 1 to `levels.len()`, each as soon as two rows of the finer one are there. Returns what is known of the
+    /// last if it is to be kept.
+    fn fold_trunk(&self, levels: &mut [Level], keep: bool) -> Option<Kept> {
         let depth = levels.len();
         let top = self.size.level(depth);
         let mut bands: Vec<Vec<Band>> = (0..top.height).map(|_| Vec::with_capacity(depth)).collect();
         for (k, level) in levels.iter_mut().enumerate() {
             bands.iter_mut().zip(level.bands(1 << (depth - 1 - k))).for_each(|(bands, band)| bands.push(band));
         }
-        let rows: Vec<Block> = bands
+        let rows: Vec<Kept> = bands
             .into_par_iter()
             .enumerate()
             .map_init(Buffers::default, |buffers, (row, mut bands)| {
-                let mut kept = Block::default();
-                kept.resize(self.layout, if keep { top.width } else { 0 }, 1);
+                let mut kept = Kept::default();
+                kept.moments.resize(self.layout, if keep { top.width } else { 0 }, 1);
+                kept.summaries.resize(if keep { top.width } else { 0 }, 1, self.lobes(depth));
                 for x in (0..self.size.width).step_by(TILE_WIDTH) {
                     let width = TILE_WIDTH.min(self.size.width - x);
                     self.fold_tile(&mut bands, (x, row << depth), width, buffers);
                     if keep {
-                        kept.copy_columns(self.layout, &buffers.blocks[depth], x >> depth);
+                        kept.moments.copy_columns(self.layout, &buffers.blocks[depth], x >> depth);
+                        kept.summaries.copy_columns(&buffers.summaries[depth], x >> depth);
                     }
                 }
                 kept
             })
             .collect();
-        keep.then(|| Block::stack(self.layout, &rows))
+        keep.then(|| Kept::stack(self.layout, rows))
     }
 
     /// Folds the levels above `2^levels` rows of texels; two rows of each level are alive at a time. The single row
     /// of the last level is left in `buffers`.
     fn fold_tile(&self, bands: &mut [Band], (x, y): (usize, usize), width: usize, buffers: &mut Buffers) {
         let depth = bands.len();
-        buffers.blocks.resize_with(depth + 1, Block::default);
-        for (k, block) in buffers.blocks.iter_mut().enumerate() {
-            block.resize(self.layout, width >> k, if k < depth { 2 } else { 1 });
+        let Buffers { blocks, summaries, quads, joining, scratch } = buffers;
+        blocks.resize_with(depth + 1, Block::default);
+        summaries.resize_with(depth + 1, Summaries::default);
+        for k in 0..=depth {
+            let height = if k < depth { 2 } else { 1 };
+            blocks[k].resize(self.layout, width >> k, height);
+            summaries[k].resize(width >> k, height, self.lobes(k));
         }
         for row in 0..1 << depth {
-            self.read_texels(x, y + row, &mut buffers.blocks[0], row % 2, &mut buffers.scratch);
+            self.read_texels(x, y + row, &mut blocks[0], &mut summaries[0], row % 2, scratch);
             // An odd row completes a row of the next level, and that one perhaps another.
             for k in 0..(row + 1).trailing_zeros() as usize {
-                let (fine, coarse) = buffers.blocks.split_at_mut(k + 1);
+                let (fine, coarse) = blocks.split_at_mut(k + 1);
                 let (coarse, at) = (&mut coarse[0], row >> (k + 1));
                 let slot = at % coarse.height();
-                fine[k].halve(self.layout, k == 0, coarse, slot, &mut buffers.quads);
-                let to = (x >> (k + 1), at);
-                bands[k].fold_row(self.options, self.layout, coarse, slot, to, &mut buffers.scratch);
+                fine[k].halve(self.layout, k == 0, coarse, slot, quads);
+                let (finer, joined) = summaries.split_at_mut(k + 1);
+                if self.most > 0 {
+                    finer[k].halve(&mut joined[0], slot, joining);
+                }
+                bands[k].fold_row(self.options, self.layout, coarse, &joined[0], slot, (x >> (k + 1), at), scratch);
             }
         }
     }
 
-    /// Folds one level from kept moments, or from the texels where there are none.
-    fn fold_level(&self, level: &mut Level, source: Option<&Block>, size: Size, keep: bool) -> Option<Block> {
-        let from = source.map_or(self.size, |block| Size::new(block.width(), block.height()));
+    /// Folds one level from what was kept, or from the texels where there is nothing.
+    fn fold_level(&self, level: &mut Level, source: Option<&Kept>, size: Size, keep: bool) -> Option<Kept> {
+        let from = source.map_or(self.size, |kept| Size::new(kept.moments.width(), kept.moments.height()));
         let (across, down) = (spans(from.width, size.width), spans(from.height, size.height));
-        let rows: Vec<Block> = level
+        let rows: Vec<Kept> = level
             .bands(1)
             .into_par_iter()
             .zip(&down)
             .map_init(LevelBuffers::default, |buffers, (mut band, span)| {
-                let LevelBuffers { reduce, texels, spare } = buffers;
-                let mut row = Block::default();
-                let fill = |y: usize, out: &mut Block| match source {
-                    Some(block) => out.copy_row(self.layout, block, y),
-                    None => {
-                        out.resize(self.layout, self.size.width, 1);
-                        self.read_texels(0, y, out, 0, texels);
-                        out.zero_covariances(self.layout, 0);
+                let LevelBuffers { reduce, texels, gather, texel_row, spare } = buffers;
+                let mut row = Kept::default();
+                gather.start(size.width);
+                let mut rows = span.weights.iter();
+                let fill = |y: usize, out: &mut Block| {
+                    let height = *rows.next().expect("as many rows as the span has");
+                    match source {
+                        Some(kept) => {
+                            out.copy_row(self.layout, &kept.moments, y);
+                            gather.add(&kept.summaries, y, height, &across, self.most);
+                        }
+                        None => {
+                            out.resize(self.layout, self.size.width, 1);
+                            texel_row.resize(self.size.width, 1, self.most.min(1));
+                            self.read_texels(0, y, out, texel_row, 0, texels);
+                            out.zero_covariances(self.layout, 0);
+                            gather.add(texel_row, 0, height, &across, self.most);
+                        }
                     }
                 };
-                reduce_rows(self.layout, fill, span, &across, &mut row, reduce);
-                band.fold_row(self.options, self.layout, &row, 0, (0, 0), spare);
-                if keep { row } else { Block::default() }
+                reduce_rows(self.layout, fill, span, &across, &mut row.moments, reduce);
+                gather.finish(self.most, &mut row.summaries);
+                band.fold_row(self.options, self.layout, &row.moments, &row.summaries, 0, (0, 0), spare);
+                if keep { row } else { Kept::default() }
             })
             .collect();
-        keep.then(|| Block::stack(self.layout, &rows))
+        keep.then(|| Kept::stack(self.layout, rows))
     }
 
-    /// The moments of a row of texels from column `x` of row `y` on, into row `to` of `block`.
-    fn read_texels(&self, x: usize, y: usize, block: &mut Block, to: usize, scratch: &mut Vec<f32>) {
+    /// The moments, and where the fold reads them the lobes, of a row of texels from column `x` of row `y` on, into row
+    /// `to` of `block` and of `summaries`.
+    fn read_texels(
+        &self,
+        x: usize,
+        y: usize,
+        block: &mut Block,
+        summaries: &mut Summaries,
+        to: usize,
+        scratch: &mut Vec<f32>,
+    ) {
         let texels = texel_row(self.texels, x, y, block.row_mut(0, to), scratch);
         block.finish_texels(self.layout, to, &texels);
+        if self.most > 0 {
+            summaries.fill_texels(to, block.row(0, to), &texels);
+        }
         for i in 0..self.texels.extras() {
             self.texels.extra(i, y, x, block.row_mut(self.layout.extra(i), to));
         }
@@ -232,7 +289,9 @@ fn texel_row<'a>(
 #[derive(Default)]
 struct Buffers {
     blocks: Vec<Block>,
+    summaries: Vec<Summaries>,
     quads: Quads,
+    joining: summary::Buffers,
     scratch: Vec<f32>,
 }
 
@@ -240,5 +299,7 @@ struct Buffers {
 struct LevelBuffers {
     reduce: Scratch,
     texels: Vec<f32>,
+    gather: summary::Gather,
+    texel_row: Summaries,
     spare: Vec<f32>,
 }

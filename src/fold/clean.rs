@@ -1,6 +1,6 @@
 //! Based on: D. Baker, "Spectacular Specular: LEAN and CLEAN Specular Highlights", GDC 2011.
 
-use super::{Fold, lean::normal};
+use super::{Fold, Method, MomentFold, lean::normal};
 use crate::moments::{Moments, Needs};
 
 /// LEAN with one variance: the mean of both axes, so `alpha'^2 = alpha^2 + trace of the covariance`. (Using the
@@ -9,9 +9,11 @@ pub const FOLD: Fold = Fold {
     name: "clean",
     cite: "Baker 2011",
     about: "isotropic LEAN: slope variance averaged over both axes",
-    needs: Needs::SLOPE_COV.and(Needs::TENSOR),
-    isotropic: |row, out| row.isotropic(out, |m| (normal(m.slope()), alpha2(m))),
-    anisotropic: None,
+    method: Method::Moments(MomentFold {
+        needs: Needs::SLOPE_COV.and(Needs::TENSOR),
+        isotropic: |row, out| row.isotropic(out, |m| (normal(m.slope()), alpha2(m))),
+        anisotropic: None,
+    }),
 };
 
 #[inline(always)]

@@ -3,7 +3,7 @@
 
 use glam::{Vec2, Vec3};
 
-use super::{Fold, rows::unit};
+use super::{Fold, Method, MomentFold, rows::unit};
 use crate::moments::{Moments, Needs};
 use crate::ndf::RoughnessTensor;
 
@@ -14,9 +14,11 @@ pub const FOLD: Fold = Fold {
     name: "lean",
     cite: "Olano & Baker 2010; Dupuy et al. 2013",
     about: "slope moments, alpha^2 + 2 covariance",
-    needs: Needs::SLOPE_COV.and(Needs::TENSOR),
-    isotropic: |row, out| row.isotropic_part(out, lobe),
-    anisotropic: Some(|row, out| row.anisotropic(out, lobe)),
+    method: Method::Moments(MomentFold {
+        needs: Needs::SLOPE_COV.and(Needs::TENSOR),
+        isotropic: |row, out| row.isotropic_part(out, lobe),
+        anisotropic: Some(|row, out| row.anisotropic(out, lobe)),
+    }),
 };
 
 /// The normal of a slope.

@@ -3,10 +3,11 @@
 use glam::Vec3;
 use ndarray::{Array3, ArrayViewMut3, Axis};
 
-use super::{LobeRow, MomentRow, Options};
+use super::{LobeRow, Method, MomentRow, Options, fit};
 use crate::image::Size;
 use crate::moments::{Block, Layout, plane};
 use crate::ndf::{Form, Lobes, RoughnessTensor};
+use crate::summary::Summaries;
 
 /// One level of a [`super::Chain`].
 #[derive(Clone, Debug, PartialEq)]
@@ -20,12 +21,12 @@ pub struct Level {
 }
 
 impl Level {
-    pub(super) fn zeros(form: Form, size: Size, extras: usize, slope_moments: bool) -> Self {
+    pub(super) fn zeros(options: &Options, size: Size, extras: usize) -> Self {
         let planes = |n| Array3::zeros((n, size.height, size.width));
         Self {
-            lobes: Lobes::zeros(form, size),
+            lobes: Lobes::mixed_zeros(options.form, options.lobes, size),
             extras: planes(extras),
-            slope_moments: slope_moments.then(|| planes(5)),
+            slope_moments: options.slope_moments.then(|| planes(5)),
         }
     }
 
@@ -62,12 +63,15 @@ fn plane_rows<'a>(
 }
 
 impl Band<'_> {
-    /// Folds row `from` of `block` into row `y` of the band, starting at column `x`. `spare` is scratch.
+    /// Folds row `from` of `block` into row `y` of the band, starting at column `x`; folds that read lobes take them from
+    /// the same row of `summaries`. `spare` is scratch.
+    #[expect(clippy::too_many_arguments, reason = "one call for both kinds of fold")]
     pub fn fold_row(
         &mut self,
         options: &Options,
         layout: &Layout,
         block: &Block,
+        summaries: &Summaries,
         from: usize,
         (x, y): (usize, usize),
         spare: &mut Vec<f32>,
@@ -77,12 +81,25 @@ impl Band<'_> {
         let (zeros, unused) = spare[..3 * n].split_at_mut(n);
         zeros.fill(0.0);
         let row = MomentRow::new(block, layout, from, zeros);
-        let unused = unused.split_at_mut(n);
-        // An isotropic image holds xx alone; the other two go to scratch.
-        let mut planes = plane_rows(&mut self.lobes, y, x, n).chain([unused.0, unused.1]);
-        let mut out = LobeRow { planes: std::array::from_fn(|_| planes.next().expect("six planes")) };
-        options.fold.rows(self.form)(&row, &mut out);
-        limit(options, self.form, &row, &mut out);
+        match &options.fold.method {
+            Method::Moments(fold) => {
+                let unused = unused.split_at_mut(n);
+                // An isotropic image holds xx alone; the other two go to scratch.
+                let mut planes = plane_rows(&mut self.lobes, y, x, n).chain([unused.0, unused.1]);
+                let mut out = LobeRow { planes: std::array::from_fn(|_| planes.next().expect("six planes")) };
+                fold.rows(self.form)(&row, &mut out);
+            }
+            Method::Lobes { fit, .. } => {
+                let mut planes: Vec<&mut [f32]> = plane_rows(&mut self.lobes, y, x, n).collect();
+                let normals = [0, 1, 2].map(|i| row.plane(plane::NORMAL + i));
+                fit::row(*fit, self.form, options.lobes, summaries, from, normals, &mut planes);
+            }
+        }
+        let stride = self.lobes.dim().0 / options.lobes;
+        let mut planes: Vec<&mut [f32]> = plane_rows(&mut self.lobes, y, x, n).collect();
+        for lobe in planes.chunks_exact_mut(stride) {
+            limit(options, self.form, &row, lobe);
+        }
         for (i, extra) in plane_rows(&mut self.extras, y, x, n).enumerate() {
             extra.copy_from_slice(block.row(layout.extra(i), from));
         }
@@ -105,32 +122,40 @@ impl Band<'_> {
 }
 
 /// Strength and bounds: `R = base + strength (fold - base)`, eigenvalues clamped. A fold that does not start from the
-/// mean tensor adds nothing to it that could be scaled.
-fn limit(options: &Options, form: Form, row: &MomentRow, out: &mut LobeRow) {
-    let [nx, ny, nz, xx, xy, yy] = &mut out.planes;
+/// mean tensor adds nothing to it that could be scaled. `planes` are those of a lobe.
+fn limit(options: &Options, form: Form, row: &MomentRow, planes: &mut [&mut [f32]]) {
     let (low, high) = (options.min_alpha.squared(), options.max_alpha.squared());
-    let n = nz.len();
-    let (xx, xy, yy) = (&mut xx[..n], &mut xy[..n], &mut yy[..n]);
+    let n = planes[0].len();
     let k = options.strength;
-    if k != 1.0 && options.fold.needs.has(plane::TENSOR) {
-        let [bxx, bxy, byy] = [0, 1, 2].map(|i| &row.plane(plane::TENSOR + i)[..n]);
-        for i in 0..n {
-            let base = RoughnessTensor { xx: bxx[i], xy: bxy[i], yy: byy[i] };
-            let base = match form {
-                Form::Isotropic => RoughnessTensor { xx: base.mean(), xy: 0.0, yy: base.mean() },
-                Form::Anisotropic => base.to_bent(Vec3::new(nx[i], ny[i], nz[i])),
-            };
-            let folded = RoughnessTensor { xx: xx[i], xy: xy[i], yy: yy[i] };
-            let mixed = base + (folded - base) * k;
-            (xx[i], xy[i], yy[i]) = (mixed.xx, mixed.xy, mixed.yy);
+    let scaled = k != 1.0 && options.fold.widens();
+    let [bxx, bxy, byy] = [0, 1, 2].map(|i| &row.plane(plane::TENSOR + i)[..n]);
+    let base = |i: usize| RoughnessTensor { xx: bxx[i], xy: bxy[i], yy: byy[i] };
+    match form {
+        Form::Isotropic => {
+            let a2 = &mut planes[3][..n];
+            if scaled {
+                for i in 0..n {
+                    let base = base(i).mean();
+                    a2[i] = base + (a2[i] - base) * k;
+                }
+            }
+            a2.iter_mut().for_each(|a2| *a2 = a2.max(low).min(high));
         }
-    }
-    if form == Form::Isotropic {
-        xx.iter_mut().for_each(|a2| *a2 = a2.max(low).min(high));
-    } else {
-        for i in 0..n {
-            let r = RoughnessTensor { xx: xx[i], xy: xy[i], yy: yy[i] }.clamped(low, high);
-            (xx[i], xy[i], yy[i]) = (r.xx, r.xy, r.yy);
+        Form::Anisotropic => {
+            let [nx, ny, nz, xx, xy, yy, ..] = planes else { unreachable!("two widths are six planes") };
+            let (xx, xy, yy) = (&mut xx[..n], &mut xy[..n], &mut yy[..n]);
+            if scaled {
+                for i in 0..n {
+                    let base = base(i).to_bent(Vec3::new(nx[i], ny[i], nz[i]));
+                    let folded = RoughnessTensor { xx: xx[i], xy: xy[i], yy: yy[i] };
+                    let mixed = base + (folded - base) * k;
+                    (xx[i], xy[i], yy[i]) = (mixed.xx, mixed.xy, mixed.yy);
+                }
+            }
+            for i in 0..n {
+                let r = RoughnessTensor { xx: xx[i], xy: xy[i], yy: yy[i] }.clamped(low, high);
+                (xx[i], xy[i], yy[i]) = (r.xx, r.xy, r.yy);
+            }
         }
     }
 }

@@ -7,6 +7,8 @@ mod average;
 mod bump_to_roughness;
 mod chain;
 mod clean;
+pub mod fit;
+mod ggx;
 mod lean;
 mod level;
 mod projected;
@@ -20,8 +22,10 @@ pub use level::Level;
 pub use rows::{LobeRow, MomentRow};
 
 use crate::error::{Error, Result};
-use crate::moments::{Moments, Needs};
-use crate::ndf::{Form, Lobe};
+use crate::moments::{Moments, Needs, plane};
+use crate::ndf::{Form, Lobe, SlopeLobe};
+use crate::roughness::Alpha;
+use crate::summary::Entry;
 
 /// A way to replace a footprint by one lobe.
 pub struct Fold {
@@ -31,6 +35,25 @@ pub struct Fold {
     pub cite: &'static str,
     /// One line for people.
     pub about: &'static str,
+    /// How it works.
+    pub method: Method,
+}
+
+/// How a fold works.
+pub enum Method {
+    /// From moments of the footprint.
+    Moments(MomentFold),
+    /// From its lobes.
+    Lobes {
+        /// Most lobes that a footprint is summarised by.
+        most: usize,
+        /// Fits lobes to footprints.
+        fit: fit::Fit,
+    },
+}
+
+/// Folds rows of moments.
+pub struct MomentFold {
     /// The moments that it reads.
     pub needs: Needs,
     /// Folds a row of footprints to lobes of one width.
@@ -49,10 +72,11 @@ pub static FOLDS: &[Fold] = &[
     bump_to_roughness::FOLD,
     projected::FOLD,
     sggx::FOLD,
+    ggx::FOLD,
 ];
 
 /// The fold that is used when none is named.
-pub static DEFAULT_FOLD: &Fold = &projected::FOLD;
+pub static DEFAULT_FOLD: &Fold = &ggx::FOLD;
 
 impl Fold {
     /// The fold of this name.
@@ -66,17 +90,46 @@ impl Fold {
         })
     }
 
+    /// Whether the method defines lobes of two widths.
+    pub fn has_two_widths(&self) -> bool {
+        !matches!(self.method, Method::Moments(MomentFold { anisotropic: None, .. }))
+    }
+
+    /// Whether it can give several lobes a texel.
+    pub fn has_mixtures(&self) -> bool {
+        matches!(self.method, Method::Lobes { .. })
+    }
+
+    /// Whether it widens the mean base lobe, by an amount that can be scaled.
+    fn widens(&self) -> bool {
+        !matches!(&self.method, Method::Moments(fold) if !fold.needs.has(plane::TENSOR))
+    }
+
+    /// The lobe of one footprint, given as lobes with their areas, its width not yet clamped to 0..1.
+    pub fn lobe(&self, footprint: &[(Lobe, f32)], form: Form) -> Lobe {
+        let moments = |(lobe, area): &(Lobe, f32)| {
+            let perceptual = Alpha::from_squared(lobe.roughness.mean()).perceptual().0;
+            Moments::texel(*area, lobe.normal, perceptual, lobe.roughness)
+        };
+        let moments: Moments = footprint.iter().map(moments).sum();
+        match &self.method {
+            Method::Moments(fold) => rows::one(fold.rows(form), &moments),
+            Method::Lobes { fit, .. } => {
+                let entry = |(lobe, weight): &(Lobe, f32)| Entry { weight: *weight, lobe: SlopeLobe::new(lobe) };
+                let entries: Vec<Entry> = footprint.iter().map(entry).collect();
+                fit::one(*fit, form, 1, &entries, rows::unit(moments.normal()))[0].0
+            }
+        }
+    }
+}
+
+impl MomentFold {
     /// The function for a form; the isotropic one where the method has no other.
-    pub fn rows(&self, form: Form) -> fn(&MomentRow, &mut LobeRow) {
+    fn rows(&self, form: Form) -> fn(&MomentRow, &mut LobeRow) {
         match (form, self.anisotropic) {
             (Form::Anisotropic, Some(anisotropic)) => anisotropic,
             _ => self.isotropic,
         }
-    }
-
-    /// The lobe of one footprint, its width not yet clamped to 0..1.
-    pub fn lobe(&self, moments: &Moments, form: Form) -> Lobe {
-        rows::one(self.rows(form), moments)
     }
 }
 

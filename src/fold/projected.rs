@@ -3,7 +3,7 @@
 
 use glam::Vec3;
 
-use super::{Fold, rows::unit, toksvig::widened};
+use super::{Fold, Method, MomentFold, rows::unit, toksvig::widened};
 use crate::moments::{Moments, Needs, tangential};
 use crate::ndf::RoughnessTensor;
 
@@ -13,14 +13,16 @@ pub const FOLD: Fold = Fold {
     name: "projected",
     cite: "Tokuyoshi & Kaplanyan 2021",
     about: "covariance of projected normals, added in projected space",
-    needs: Needs::NORMAL_COV.and(Needs::TENSOR),
-    isotropic: |row, out| {
-        row.isotropic(out, |m| {
-            let n = unit(m.normal());
-            (n, widened(m.tensor().mean(), tangential(m.normal_cov(), n).mean()))
-        });
-    },
-    anisotropic: Some(|row, out| row.anisotropic(out, lobe)),
+    method: Method::Moments(MomentFold {
+        needs: Needs::NORMAL_COV.and(Needs::TENSOR),
+        isotropic: |row, out| {
+            row.isotropic(out, |m| {
+                let n = unit(m.normal());
+                (n, widened(m.tensor().mean(), tangential(m.normal_cov(), n).mean()))
+            });
+        },
+        anisotropic: Some(|row, out| row.anisotropic(out, lobe)),
+    }),
 };
 
 #[inline(always)]

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use super::{Fold, rows::unit};
+use super::{Fold, Method, MomentFold, rows::unit};
 use crate::moments::{Moments, Needs, tangential};
 use crate::ndf::RoughnessTensor;
 
@@ -12,9 +12,11 @@ pub const FOLD: Fold = Fold {
     name: "sggx",
     cite: "Heitz et al. 2015",
     about: "average of ellipsoid matrices",
-    needs: Needs::NORMAL_COV.and(Needs::FORM).and(Needs::TENSOR),
-    isotropic: |row, out| row.isotropic_part(out, lobe),
-    anisotropic: Some(|row, out| row.anisotropic(out, lobe)),
+    method: Method::Moments(MomentFold {
+        needs: Needs::NORMAL_COV.and(Needs::FORM).and(Needs::TENSOR),
+        isotropic: |row, out| row.isotropic_part(out, lobe),
+        anisotropic: Some(|row, out| row.anisotropic(out, lobe)),
+    }),
 };
 
 #[inline(always)]

@@ -1,6 +1,6 @@
 //! Based on: Michael Toksvig, "Mipmapping Normal Maps", 2004.
 
-use super::{Fold, rows::unit};
+use super::{Fold, Method, MomentFold, rows::unit};
 use crate::moments::{Moments, Needs};
 
 /// Toksvig's gloss factor in terms of alpha. With the Blinn-Phong exponent `s = 2/alpha^2 - 2`, his
@@ -9,9 +9,11 @@ pub const FOLD: Fold = Fold {
     name: "toksvig",
     cite: "Toksvig 2004, gloss factor",
     about: "length of the mean normal as a variance, added to the inverse Blinn-Phong exponent",
-    needs: Needs::NORMAL_VARIANCE.and(Needs::TENSOR),
-    isotropic: |row, out| row.isotropic(out, |m| (unit(m.normal()), widened(m.tensor().mean(), variance(m)))),
-    anisotropic: None,
+    method: Method::Moments(MomentFold {
+        needs: Needs::NORMAL_VARIANCE.and(Needs::TENSOR),
+        isotropic: |row, out| row.isotropic(out, |m| (unit(m.normal()), widened(m.tensor().mean(), variance(m)))),
+        anisotropic: None,
+    }),
 };
 
 /// `(1 - r) / r`, from the trace of the normals' covariance: of unit normals it is `1 - r^2`, and unlike that

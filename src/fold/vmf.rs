@@ -1,7 +1,7 @@
 //! Based on: C. Han, B. Sun, R. Ramamoorthi, E. Grinspun, "Frequency Domain Normal Map Filtering", 2007;
 //! D. Neubelt, M. Pettineo, "Crafting a Next-Gen Material Pipeline for The Order: 1886", 2013.
 
-use super::{Fold, rows::unit};
+use super::{Fold, Method, MomentFold, rows::unit};
 use crate::moments::{Moments, Needs};
 
 /// A von Mises-Fisher lobe of the mean normal, convolved with the base lobe: `alpha'^2 = alpha^2 + 2/kappa`.
@@ -11,11 +11,13 @@ pub const FOLD: Fold = Fold {
     name: "vmf",
     cite: "Han et al. 2007; Banerjee et al. 2005, eq. 4.4",
     about: "von Mises-Fisher lobe of the mean normal, alpha^2 + 2/kappa",
-    needs: Needs::NORMAL_VARIANCE.and(Needs::TENSOR),
-    isotropic: |row, out| {
-        row.isotropic(out, |m| (unit(m.normal()), m.tensor().mean() + 2.0 * inverse_concentration(m)));
-    },
-    anisotropic: None,
+    method: Method::Moments(MomentFold {
+        needs: Needs::NORMAL_VARIANCE.and(Needs::TENSOR),
+        isotropic: |row, out| {
+            row.isotropic(out, |m| (unit(m.normal()), m.tensor().mean() + 2.0 * inverse_concentration(m)));
+        },
+        anisotropic: None,
+    }),
 };
 
 /// `1/kappa = (1 - r^2) / (3 r - r^3)`: Banerjee's approximation, inverted so that equal normals give 0.
