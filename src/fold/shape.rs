@@ -75,10 +75,10 @@ struct Node {
 /// With [`TailExponent::GGX`] fixed it is the best GGX lobe; with the tail free the best of all Student-t lobes. A
 /// footprint of one lobe is returned as it is, within the quadrature (2 percent of its squared width).
 ///
-/// Where a free tail pays is a matter of the surface. Over bumps of one size (weaves, paper, rock, packed flakes) under a
-/// smooth base the tail gets lighter than GGX's, and the lobe comes up to two fifths closer in total variation. Where most
-/// is flat and little is steep (tiles, chainmail) the tail gets heavier, but the footprint has peaks of its own and little
-/// is gained. The README has the figures. No engine has a texture slot for the exponent, so this is no fold.
+/// Where a free tail pays is a matter of the surface. Over weaves, paper, rock and flakes under a smooth base the
+/// tail gets lighter than GGX's, and the lobe comes up to two fifths closer in total variation. Where most is flat
+/// and little is steep (tiles, chainmail) the tail gets heavier, and little is gained. The README has the figures. No
+/// engine has a texture slot for the exponent, so this is no fold.
 ///
 /// # Panics
 /// If there is no weight above 0, or if Beckmann's tail is asked for.
