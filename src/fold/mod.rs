@@ -14,12 +14,14 @@ mod level;
 mod projected;
 mod rows;
 mod sggx;
+mod shape;
 mod toksvig;
 mod vmf;
 
 pub use chain::{Chain, Options, chain};
 pub use level::Level;
 pub use rows::{LobeRow, MomentRow};
+pub use shape::{Tail, best_student};
 
 use crate::error::{Error, Result};
 use crate::moments::{Moments, Needs, plane};

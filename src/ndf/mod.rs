@@ -1,15 +1,34 @@
-//! What a normal distribution is: the [`Ndf`] trait, the GGX [`Lobe`], its [`RoughnessTensor`] and Smith terms.
+//! What a normal distribution is: the [`Ndf`] trait, the GGX [`Lobe`], its [`RoughnessTensor`] and Smith terms; and the
+//! lobes of other tails, [`Beckmann`] and [`Student`].
+//!
+//! | lobe | slopes | falls like | mean slope | slope variance |
+//! |---|---|---|---|---|
+//! | [`Lobe`], GGX | bivariate Student-t of 2 degrees of freedom | `s^-4` | finite | infinite |
+//! | [`Beckmann`] | Gaussian | `exp(-s^2 / alpha^2)` | finite | `alpha^2 / 2` |
+//! | [`Student`] | bivariate Student-t, [`TailExponent`] gamma | `s^(-2 gamma)` | for gamma over 3/2 | for gamma over 2 |
+//!
+//! They differ in three functions of a round lobe of unit width; widths, directions, sampling and Smith's masking are
+//! shared ([`ShapeInvariant`]). Textures hold GGX lobes, since that is what engines shade; the others say what that
+//! costs ([`crate::fold::best_student`]).
 
+mod beckmann;
 mod frame;
 mod lobe;
 mod lobes;
+mod shape;
 mod slopes;
+mod student;
 mod tensor;
+#[cfg(test)]
+mod tests;
 
+pub use beckmann::Beckmann;
 pub use frame::{Frame, bent_from_transported};
 pub use lobe::Lobe;
 pub use lobes::{Form, Lobes, MOST_LOBES};
+pub use shape::ShapeInvariant;
 pub use slopes::SlopeLobe;
+pub use student::{Student, TailExponent};
 pub use tensor::{Axes, RoughnessTensor};
 
 use glam::DVec3;

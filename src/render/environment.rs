@@ -108,7 +108,7 @@ impl Points {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::ndf::{Axes, Frame, Lobe, RoughnessTensor};
+    use crate::ndf::{Axes, Frame, Lobe, RoughnessTensor, ShapeInvariant};
     use crate::render::shade::Lighting;
     use crate::roughness::Alpha;
     use std::f64::consts::PI;

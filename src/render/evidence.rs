@@ -7,7 +7,7 @@ use glam::{DVec3, Vec2, Vec3};
 use super::geometry::hit;
 use super::*;
 use crate::image::{Samples, Size};
-use crate::ndf::{Axes, Form, Lobe, Lobes, RoughnessTensor};
+use crate::ndf::{Axes, Form, Lobe, Lobes, RoughnessTensor, ShapeInvariant};
 use crate::roughness::{Alpha, PerceptualRoughness};
 use crate::sample::{Maps, by_name};
 

@@ -190,7 +190,7 @@ impl Lighting {
     }
 
     /// Radiance towards `view` from a lobe on a surface at this place with this normal and frame: the sum over lights
-    /// of irradiance times `F D G2 / (4 n.v)`, as [`Lobe::specular`] has it, with Schlick's F, and the environment's
+    /// of irradiance times `F D G2 / (4 n.v)`, as [`ShapeInvariant::specular`] has it, with Schlick's F, and the environment's
     /// reflection.
     pub fn radiance(&self, lobe: &Lobe, position: Vec3, normal: Vec3, frame: Frame, view: Vec3) -> Vec3 {
         let world = |v: Vec3| frame.tangent * v.x + frame.bitangent * v.y + normal * v.z;
@@ -229,7 +229,7 @@ impl Lighting {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::ndf::{Axes, RoughnessTensor};
+    use crate::ndf::{Axes, RoughnessTensor, ShapeInvariant};
     use glam::DVec3;
     use proptest::prelude::*;
 

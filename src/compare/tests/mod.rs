@@ -10,7 +10,7 @@ use super::measure::views;
 use super::*;
 use crate::image::Size;
 use crate::material::{Texels, base_lobes};
-use crate::ndf::{Form, Lobe, Lobes, Ndf};
+use crate::ndf::{Form, Lobe, Lobes, Ndf, ShapeInvariant};
 use crate::reference::tests::{Field, field, tilted};
 use crate::reference::{Reading, directional_albedo};
 use crate::roughness::Alpha;

@@ -9,7 +9,7 @@ mod reading;
 use super::*;
 use crate::image::{Size, Wrap};
 use crate::material::Texels;
-use crate::ndf::{Axes, Lobe, Ndf, RoughnessTensor};
+use crate::ndf::{Axes, Lobe, Ndf, RoughnessTensor, ShapeInvariant};
 use crate::random::Random;
 use crate::roughness::Alpha;
 
