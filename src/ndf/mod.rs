@@ -3,11 +3,13 @@
 mod frame;
 mod lobe;
 mod lobes;
+mod readout;
 mod tensor;
 
 pub use frame::{Frame, bent_from_transported};
 pub use lobe::Lobe;
 pub use lobes::{Form, Lobes, MOST_LOBES};
+pub use readout::{BURLEY_LEAST_RATIO, Burley, Gltf, TensorRoot};
 pub use tensor::{Axes, RoughnessTensor};
 
 use glam::DVec3;
