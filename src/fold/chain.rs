@@ -38,6 +38,8 @@ pub struct Options {
     pub max_alpha: Alpha,
     /// Whether to keep the raw slope moments too.
     pub slope_moments: bool,
+    /// Whether to keep the length of the mean normal too.
+    pub mean_length: bool,
 }
 
 impl Default for Options {
@@ -50,6 +52,7 @@ impl Default for Options {
             min_alpha: Alpha(0.0),
             max_alpha: Alpha(1.0),
             slope_moments: false,
+            mean_length: false,
         }
     }
 }
@@ -77,8 +80,7 @@ pub fn chain(texels: &dyn Texels, options: &Options) -> Chain {
     let needs = if options.strength == 1.0 { needs } else { needs.and(Needs::TENSOR) };
     let layout = Layout::new(needs, !texels.is_anisotropic(), texels.extras());
     let count = size.level_count();
-    let mut levels: Vec<_> =
-        (1..count).map(|k| Level::zeros(options.form, size.level(k), texels.extras(), options.slope_moments)).collect();
+    let mut levels: Vec<_> = (1..count).map(|k| Level::zeros(options, size.level(k), texels.extras())).collect();
     let job = Job { texels, options, layout: &layout, size };
     let trunk = halvings(size);
     let sources: Vec<_> = (0..count).map(|k| job.source(trunk, k)).collect();
