@@ -90,7 +90,7 @@ fn extra_maps_of_a_real_texture_hold_its_lobes() {
         // Bark is rough: widened lobes lose energy, and mean normals are short.
         let last = channel(exr.last().unwrap(), role)[0];
         println!("{role}: {last}");
-        assert!(if role == "energy" { last > 1.02 } else { last < 0.97 }, "{role}: {last}");
+        assert!(if role == "energy" { last > 1.02 } else { last < 0.99 }, "{role}: {last}");
     }
     // A folder with extra maps is still read as the chain that it holds; a rebuild without them takes them away.
     let (code, stderr) = desk.run("compare @out --texels 1 --directions 4 --levels 8 --no-plain");
@@ -309,17 +309,24 @@ fn folded(material: &Material) -> Vec<Lobes> {
     folded.into_lobes(base_lobes(material, Form::Isotropic))
 }
 
-/// With multiple scattering on both sides nothing needs mending, and without it the scale makes a rough map's energy
-/// worse: a normal-mapped renderer does not shadow one bump by another.
+/// The scale does what multiple-scattering compensation does, for better and for worse: beside the truth without, a
+/// folded lobe is near enough as it is, and on steep bumps, whose light is lost below the surface, the scale overshoots.
 #[test]
-fn a_folded_lobe_needs_no_energy_scale_beside_normal_mapping() {
+fn the_energy_scale_does_what_compensation_does() {
     let Some(textures) = common::textures() else { return };
-    let material = material(&textures.join("rock058/normal.jpg"), 0.1);
-    let levels = folded(&material);
     let settings = Settings { texels: Some(16), directions: 40, levels: vec![4], ..Settings::default() };
-    let judgement = judge(&material, &[Candidate::new("folded", levels.clone())], &settings, &|_| ()).unwrap();
-    let energy = &judgement.chains[0].levels[0].energy;
-    let scale = mean_scale(&levels[4], 0.1);
-    println!("{energy:?}, scale {scale}");
-    assert!((energy.mean - 1.0).abs() < 0.08 && (energy.compensated - 1.0).abs() < 0.08, "{energy:?}");
+    let measure = |name: &str| {
+        let material = material(&textures.join(name), 0.1);
+        let levels = folded(&material);
+        let judgement = judge(&material, &[Candidate::new("folded", levels.clone())], &settings, &|_| ()).unwrap();
+        let energy = judgement.chains[0].levels[0].energy.clone();
+        let scaled = energy.mean * mean_scale(&levels[4], 0.1);
+        println!("{name}: {:.3}, scaled {scaled:.3}, compensated {:.3}", energy.mean, energy.compensated);
+        assert!((scaled - energy.compensated).abs() < 0.03, "{name}: {scaled} {energy:?}");
+        (energy.mean, scaled)
+    };
+    let (plain, scaled) = measure("bark014/normal.jpg");
+    assert!((scaled - 1.0).abs() < (plain - 1.0).abs(), "gentle bumps: {plain} {scaled}");
+    let (plain, scaled) = measure("fabric_knitted_006/normal.jpg");
+    assert!((plain - 1.0).abs() < 0.1 && scaled > 1.1, "steep bumps: {plain} {scaled}");
 }

@@ -42,12 +42,14 @@ pub fn softened(normal: Vec3, length: f32, light: Vec3) -> f32 {
     mean_above_zero(f64::from(mean), f64::from(variance.max(0.0)).sqrt()) as f32
 }
 
-/// [`softened`] without an error function, for shaders: `(mu + sqrt(mu^2 + (2 / pi) tau^2)) / 2`, which is right at
-/// `mu = 0`, and to first order far from it.
+/// [`softened`] without an error function, for shaders: the soft plus of the same height at `mu = 0`,
+/// `max(mu, 0) + tau / k log(1 + exp(-k |mu| / tau))` with `k = sqrt(2 pi) ln 2 = 1.7375`, within `0.012 tau`.
 pub fn softened_quickly(normal: Vec3, length: f32, light: Vec3) -> f32 {
+    const K: f32 = 1.737_462_3;
     let cos = normal.dot(light);
     let (mean, variance) = (length * cos, 0.5 * (1.0 - length * length) * (1.0 - cos * cos));
-    0.5 * (mean + (mean * mean + std::f32::consts::FRAC_2_PI * variance.max(0.0)).sqrt())
+    let tau = variance.max(1e-12).sqrt() / K;
+    mean.max(0.0) + tau * (1.0 + (-mean.abs() / tau).exp()).ln()
 }
 
 /// LEADR's irradiance (Dupuy et al. 2013) of a displaced surface per area of its base, without masking:
@@ -104,9 +106,25 @@ mod tests {
         assert_eq!((mean_above_zero(-0.5, 0.0), mean_above_zero(0.5, 0.0)), (0.0, 0.5));
     }
 
+    #[test]
+    fn soft_plus_stays_within_its_bound() {
+        let mut worst = 0.0f32;
+        for i in 0..=200 {
+            let light = Vec3::new((1.0 - (0.01 * i as f32 - 1.0).powi(2)).max(0.0).sqrt(), 0.0, 0.01 * i as f32 - 1.0);
+            for length in [0.5f32, 0.8, 0.95, 0.999] {
+                let tau = (0.5 * (1.0 - length * length) * (1.0 - light.z * light.z)).sqrt();
+                let off = (softened_quickly(Vec3::Z, length, light) - softened(Vec3::Z, length, light)).abs();
+                worst = worst.max((off - 1e-6) / tau.max(1e-3));
+            }
+            let exact = softened_quickly(Vec3::Z, 1.0, light) - light.z.max(0.0);
+            assert!(exact.abs() < 1e-6, "nothing is softened where nothing is lost: {exact}");
+        }
+        assert!(worst > 0.01 && worst < 0.012, "{worst}");
+    }
+
     /// A surface of Gaussian slopes, deviation 0.3: means over 200 000 drawn facets are within 0.002 (four standard
-    /// errors, each below 0.0005). The figures of the terminator, light at 85 degrees: the renormalised normal gives
-    /// 0.087, all that sees the spread 0.152 (per base area).
+    /// errors, each below 0.0005). At the terminator, with the light at 85 degrees, a normal-mapped renderer sees 0.152
+    /// (a displaced one 0.168 per area of its base), and the renormalised normal gives 0.087.
     #[test]
     fn gaussian_slopes_are_met() {
         let mut random = Random::for_texel(1, 0, 0, (0, 0));
@@ -131,9 +149,10 @@ mod tests {
             let soft = softened(Vec3::Z, length, light);
             assert!((soft - truth).abs() < 5e-3, "{degrees}: {soft} {truth}");
             let quick = softened_quickly(Vec3::Z, length, light);
-            assert!((quick - truth).abs() < 0.012, "{degrees}: {quick} {truth}");
+            assert!((quick - soft).abs() < 0.012 * 0.3, "{degrees}: {quick} {soft}");
             if degrees == 85.0 {
-                assert!((base - 0.152).abs() < 3e-3 && (cos - 0.087).abs() < 1e-3);
+                assert!((base - 0.168).abs() < 2e-3 && (truth - 0.152).abs() < 2e-3, "{base} {truth}");
+                assert!((cos - 0.087).abs() < 1e-3);
                 assert!(truth - scaled(Vec3::Z, length, light) > 0.05);
             }
         }
