@@ -6,7 +6,7 @@ mod common;
 use std::path::{Path, PathBuf};
 
 use common::desk::Desk;
-use common::{channel, exr_levels, manifest, names, plane, png_levels};
+use common::{bump, channel, exr_levels, manifest, names, plane, png_levels, png16, shrink};
 use glam::Vec3;
 use mipfold::compare::{Candidate, Settings, judge};
 use mipfold::fold::{Chain, Options, chain};
@@ -129,6 +129,40 @@ fn what_a_chain_lacks_is_refused() {
     // Nobody's files are written over.
     desk.file("out/wall_diffuse_mip3.png", b"mine");
     desk.refuses("--normal @n.png --name wall --extra diffuse -o @out", "wall_diffuse_mip3.png");
+}
+
+/// Of odd sizes and 16 bits: both scales are what exact averages over footprints make them.
+#[test]
+fn scales_are_those_of_the_exact_footprints() {
+    let desk = Desk::empty();
+    let size = Size::new(21, 13);
+    let wide = |v: f32| (v * 65535.0).round() as u16;
+    let normal = |x, y| bump(x, y, 7).map(|v| wide(0.5 + 0.5 * v)).to_vec();
+    png16(&desk.at("n.png"), (21, 13), normal);
+    let rough = |x: usize, y: usize| 0.2 + 0.05 * ((3 * x + 5 * y) % 13) as f32;
+    png16(&desk.at("r.png"), (21, 13), |x, y| vec![wide(rough(x, y))]);
+    let args = "--normal @n.png --roughness @r.png --name odd --extra diffuse,energy --format png,exr --float";
+    let out = desk.build("out", args);
+    let manifest = manifest(&out);
+    assert_eq!(entry(&manifest, "diffuse", "png")["encoding"], "unorm16");
+    let each = |f: &dyn Fn(usize, usize) -> f32| -> Vec<f32> { (0..21 * 13).map(|i| f(i % 21, i / 21)).collect() };
+    let parts: Vec<_> = (0..3).map(|c| each(&|x, y| bump(x, y, 7)[c])).collect();
+    let albedo = each(&|x, y| average_albedo(PerceptualRoughness(rough(x, y)).alpha()) as f32);
+    let lobes = read_lobes(&out.join("odd_lobes.exr")).unwrap().levels;
+    let [lengths, energies] = ["diffuse", "energy"].map(|role| levels(&out, &entry(&manifest, role, "exr")["files"]));
+    for k in 1..lobes.len() {
+        let to = size.level(k);
+        let means: Vec<_> = parts.iter().map(|part| shrink(part, size, to)).collect();
+        let footprints = shrink(&albedo, size, to);
+        let (length, energy) = (channel(&lengths[k], "diffuse"), channel(&energies[k], "energy"));
+        for i in 0..to.texels() {
+            let expected = means.iter().map(|mean| mean[i] * mean[i]).sum::<f64>().sqrt();
+            assert!((f64::from(length[i]) - expected).abs() < 1e-4, "level {k}: {} {expected}", length[i]);
+            let expected = footprints[i] / average_albedo(lobes[k].at(i % to.width, i / to.width).axes().alpha_x);
+            assert!((f64::from(energy[i]) - expected).abs() < 1e-4, "level {k}: {} {expected}", energy[i]);
+            assert!(length[i] < 0.999 && energy[i] > 1.0);
+        }
+    }
 }
 
 /// A real map with alpha the same everywhere.
