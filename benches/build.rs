@@ -50,6 +50,7 @@ fn build(criterion: &mut Criterion) {
             formats: vec![Format::Png],
             depth: Depth::Half,
             moments: false,
+            extras: Vec::new(),
             force: true,
         };
         b.iter(|| {

@@ -29,6 +29,7 @@ fn main() -> mipfold::Result<()> {
         formats: vec![Format::Png, Format::Exr],
         depth: Depth::Half,
         moments: false,
+        extras: Vec::new(),
         force: false,
     };
     // The plan names every file before anything is folded; `write` makes all of them or none.

@@ -10,6 +10,7 @@ use assert_cmd::Command;
 use mipfold::codec::write_png;
 use mipfold::fold::FOLDS;
 use mipfold::image::{Raster, Samples};
+use mipfold::material::Extra;
 use ndarray::Array3;
 
 const README: &str = include_str!("../README.md");
@@ -165,8 +166,7 @@ fn options_in_the_text_exist() {
 #[test]
 fn files_and_manifest_fields_are_as_listed() {
     let folder = tempfile::tempdir().unwrap();
-    let line =
-        "build --normal wall_normal.png --roughness 0.3 --name wall --lobes aniso --format png,exr --moments -o out";
+    let line = "build --normal wall_normal.png --roughness 0.3 --name wall --lobes aniso --format png,exr --moments --extra axes,burley,tensor,energy,diffuse -o out";
     run(&line.split(' ').collect::<Vec<_>>(), folder.path());
     let out = folder.path().join("out");
 
@@ -179,6 +179,7 @@ fn files_and_manifest_fields_are_as_listed() {
         let is = |pattern: &&String| {
             ["wall_normal", "anisotropy", "roughness"].iter().any(|stem| pattern.replace("FILE", stem) == name)
                 || pattern.replace("NAME", "wall") == name
+                || Extra::ALL.iter().any(|e| pattern.replace("NAME", "wall").replace("EXTRA", e.name()) == name)
         };
         found.extend(patterns.iter().filter(is));
         assert!(patterns.iter().any(|p| is(&p)), "{name} is written but not listed");

@@ -8,7 +8,7 @@ use super::compare_args::CompareArgs;
 use crate::codec::Depth;
 use crate::fold::{DEFAULT_FOLD, FOLDS, Fold, Options};
 use crate::image::Wrap;
-use crate::material::{DEFAULT_HEIGHT_SCALE, DEFAULT_ROUGHNESS, NormalRange, NormalY, NormalZ};
+use crate::material::{DEFAULT_HEIGHT_SCALE, DEFAULT_ROUGHNESS, Extra, NormalRange, NormalY, NormalZ};
 use crate::ndf::Form;
 use crate::output::Format;
 use crate::roughness::Alpha;
@@ -110,6 +110,9 @@ pub struct BuildArgs {
     /// Also write the raw LEAN slope moments as mip-mapped EXR (OpenImageIO's bumpslopes channels)
     #[arg(long)]
     pub moments: bool,
+    /// Further maps, each at every level; may be repeated
+    #[arg(long, value_enum, value_name = "MAP", value_delimiter = ',')]
+    pub extra: Vec<Extra>,
 }
 
 #[derive(Args)]
@@ -265,6 +268,7 @@ impl FoldArgs {
             min_alpha: Alpha(self.min_alpha),
             max_alpha: Alpha(self.max_alpha),
             slope_moments,
+            mean_length: false,
         })
     }
 }

@@ -45,6 +45,7 @@ pub fn run(args: &BuildArgs, global: &Global, report: &mut Report) -> Result<()>
                 formats: args.format.clone(),
                 depth: args.depth(),
                 moments: args.moments,
+                extras: args.extra.clone(),
                 force: global.force,
             };
             let job =

@@ -82,6 +82,7 @@ fn one(sample: &Sample, args: &DemoArgs, options: &Options, global: &Global, rep
         formats: vec![Format::Png],
         depth: crate::codec::Depth::Half,
         moments: false,
+        extras: Vec::new(),
         force: global.force,
     };
     let job = Job { inputs: &inputs, read: &read, options, form: args.folding.form(), request: &request };

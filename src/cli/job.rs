@@ -4,10 +4,10 @@ use indicatif::ProgressBar;
 
 use super::report::Built;
 use crate::error::Result;
-use crate::fold::{Chain, Options, chain};
+use crate::fold::{Chain, Options};
 use crate::material::{Inputs, Material, ReadPicture, Texels, load_with};
 use crate::ndf::Form;
-use crate::output::{MANIFEST, Plan, Request, write};
+use crate::output::{MANIFEST, Plan, Request, fold_for, write};
 
 /// What to build, and how.
 pub struct Job<'a> {
@@ -39,6 +39,7 @@ impl Job<'_> {
         if options.form == Form::Anisotropic {
             material.ensure_anisotropy_map();
         }
+        request.extras.iter().try_for_each(|extra| extra.check(options.form, options.lobes))?;
         let plan = Plan::new(&material, request);
         plan.check(&material, request)?;
         let files = plan.outputs.iter().map(|o| o.name.clone()).chain([MANIFEST.to_owned()]).collect();
@@ -58,7 +59,7 @@ impl Job<'_> {
         }
         bar.inc_length(plan.outputs.len() as u64 + 1);
         bar.set_message(format!("folding {name}"));
-        let chain = chain(&material, &options);
+        let chain = fold_for(&material, &options, &request.extras);
         bar.inc(1);
         bar.set_message(format!("writing {name}"));
         write(&material, &chain, &options, &plan, request, &|| bar.inc(1))?;

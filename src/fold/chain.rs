@@ -39,6 +39,8 @@ pub struct Options {
     pub max_alpha: Alpha,
     /// Whether to keep the raw slope moments too.
     pub slope_moments: bool,
+    /// Whether to keep the length of the mean normal too.
+    pub mean_length: bool,
 }
 
 impl Default for Options {
@@ -51,6 +53,7 @@ impl Default for Options {
             min_alpha: Alpha(0.0),
             max_alpha: Alpha(1.0),
             slope_moments: false,
+            mean_length: false,
         }
     }
 }

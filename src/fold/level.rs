@@ -1,7 +1,7 @@
 //! One mip level on its way out: rows of moments become rows of lobes and of plain channels.
 
 use glam::Vec3;
-use ndarray::{Array3, ArrayViewMut3, Axis};
+use ndarray::{Array2, Array3, ArrayViewMut2, ArrayViewMut3, Axis};
 
 use super::{LobeRow, Method, MomentRow, Options, fit};
 use crate::image::Size;
@@ -18,6 +18,8 @@ pub struct Level {
     pub extras: Array3<f32>,
     /// If asked for: mean slope x y, then raw second moments xx yy xy; axes (moment, row, column).
     pub slope_moments: Option<Array3<f32>>,
+    /// If asked for: length of the mean unit normal, axes (row, column). What a renormalised normal has too much of.
+    pub mean_length: Option<Array2<f32>>,
 }
 
 impl Level {
@@ -27,6 +29,7 @@ impl Level {
             lobes: Lobes::mixed_zeros(options.form, options.lobes, size),
             extras: planes(extras),
             slope_moments: options.slope_moments.then(|| planes(5)),
+            mean_length: options.mean_length.then(|| Array2::zeros((size.height, size.width))),
         }
     }
 
@@ -37,7 +40,10 @@ impl Level {
         let lobes = self.lobes.bands_mut(rows);
         let extras = self.extras.axis_chunks_iter_mut(Axis(1), rows);
         let slopes = std::iter::from_fn(|| Some(slopes.as_mut().and_then(Iterator::next)));
-        lobes.zip(extras).zip(slopes).map(|((lobes, extras), slopes)| Band { form, lobes, extras, slopes }).collect()
+        let mut lengths = self.mean_length.as_mut().map(|l| l.axis_chunks_iter_mut(Axis(0), rows));
+        let lengths = std::iter::from_fn(|| Some(lengths.as_mut().and_then(Iterator::next)));
+        let bands = lobes.zip(extras).zip(slopes).zip(lengths);
+        bands.map(|(((lobes, extras), slopes), lengths)| Band { form, lobes, extras, slopes, lengths }).collect()
     }
 }
 
@@ -47,6 +53,7 @@ pub(super) struct Band<'a> {
     lobes: ArrayViewMut3<'a, f32>,
     extras: ArrayViewMut3<'a, f32>,
     slopes: Option<ArrayViewMut3<'a, f32>>,
+    lengths: Option<ArrayViewMut2<'a, f32>>,
 }
 
 /// Row `y`, from column `x`, `n` texels, of the planes of a band.
@@ -102,6 +109,12 @@ impl Band<'_> {
         }
         for (i, extra) in plane_rows(&mut self.extras, y, x, n).enumerate() {
             extra.copy_from_slice(block.row(layout.extra(i), from));
+        }
+        if let Some(lengths) = &mut self.lengths {
+            let [nx, ny, nz] = [0, 1, 2].map(|i| row.plane(plane::NORMAL + i));
+            for (i, out) in lengths.row_mut(y).iter_mut().skip(x).take(n).enumerate() {
+                *out = Vec3::new(nx[i], ny[i], nz[i]).length().min(1.0);
+            }
         }
         if let Some(slopes) = &mut self.slopes {
             let [sx, sy] = [0, 1].map(|i| row.plane(plane::SLOPE + i));

@@ -2,6 +2,7 @@
 
 mod built;
 pub mod detect;
+mod extra;
 mod generate;
 mod guess;
 mod height;
@@ -18,6 +19,7 @@ mod source;
 mod texels;
 
 pub use built::{Earlier, GENERATOR, MANIFEST, SCHEMA};
+pub use extra::{Extra, LARGEST_ENERGY};
 pub use inputs::{ChannelRef, DEFAULT_HEIGHT_SCALE, DEFAULT_ROUGHNESS, Inputs, RoughnessInput};
 pub use inspect::Findings;
 pub use levels::{Container, LOBE_CHANNELS, LevelChain, read_folder, read_lobes, read_maps};

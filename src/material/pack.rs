@@ -6,8 +6,7 @@ use ndarray::Array3;
 
 use super::{MapFile, Material, Origin, Role};
 use crate::image::{Raster, Samples, Size};
-use crate::ndf::{Axes, Form, Lobes, RoughnessTensor};
-use crate::roughness::Alpha;
+use crate::ndf::{Axes, Form, Gltf, Lobes, RoughnessTensor};
 
 /// How channels are written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -184,28 +183,23 @@ fn own_pixels(file: &MapFile, role: Role, encoding: Encoding, out: &mut [f32]) {
     }
 }
 
-/// What a channel holds for a lobe of two widths: the smaller width as roughness, and glTF's strength and direction.
-/// From `alpha_t = mix(alpha, 1, strength^2)`: `strength = sqrt((alpha_t - alpha) / (1 - alpha))`.
+/// What a channel holds for a lobe of two widths: the smaller width as roughness, and glTF's strength and direction, on
+/// the side of `main_axis`.
 fn anisotropic(role: Role, axes: Axes, main_axis: f32) -> f32 {
-    let Axes { alpha_x: Alpha(along), alpha_y: Alpha(across), angle } = axes;
-    // An isotropic lobe has no direction of its own.
-    let angle = if along > across { angle } else { main_axis };
-    let side = if (angle - main_axis).cos() < 0.0 { -1.0 } else { 1.0 };
-    let (sin, cos) = (side * angle.sin(), side * angle.cos());
-    let direction = |v: f32| 0.5 + 0.5 * v;
+    let Gltf { alpha, strength, direction } = Gltf::from_axes(axes.sided(main_axis));
     match role {
-        Role::Roughness => across.sqrt(),
-        Role::Smoothness => 1.0 - across.sqrt(),
-        Role::AnisotropyX => direction(cos),
-        Role::AnisotropyY => direction(sin),
-        _ if across < 1.0 => ((along - across) / (1.0 - across)).clamp(0.0, 1.0).sqrt(),
-        _ => 0.0,
+        Role::Roughness => alpha.perceptual().0,
+        Role::Smoothness => alpha.perceptual().smoothness(),
+        Role::AnisotropyX => 0.5 + 0.5 * direction.x,
+        Role::AnisotropyY => 0.5 + 0.5 * direction.y,
+        _ => strength,
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::roughness::Alpha;
     use proptest::prelude::*;
 
     #[test]
@@ -234,15 +228,6 @@ mod tests {
             let angle = if angle > std::f32::consts::FRAC_PI_2 { angle - std::f32::consts::PI } else { angle };
             let axes = Axes { alpha_x: Alpha(0.5), alpha_y: Alpha(0.1), angle };
             prop_assert!(anisotropic(Role::AnisotropyY, axes, std::f32::consts::FRAC_PI_2) > 0.9);
-        }
-
-        #[test]
-        fn gltf_strength_gives_the_larger_width_back(a in 0.01f32..0.99, ratio in 0.0f32..1.0) {
-            let axes = Axes { alpha_x: Alpha(a), alpha_y: Alpha(a * ratio), angle: 0.3 };
-            let strength = anisotropic(Role::AnisotropyStrength, axes, 0.0);
-            let alpha = anisotropic(Role::Roughness, axes, 0.0).powi(2);
-            let along = alpha + (1.0 - alpha) * strength * strength;
-            prop_assert!((along - a).abs() < 1e-5 && (alpha - a * ratio).abs() < 1e-6);
         }
     }
 }

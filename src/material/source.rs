@@ -8,7 +8,7 @@ use glam::Vec2;
 
 use super::{NormalY, NormalZ, Role, Texels};
 use crate::image::{Raster, Size, Wrap};
-use crate::ndf::RoughnessTensor;
+use crate::ndf::Gltf;
 use crate::roughness::PerceptualRoughness;
 
 /// Where a map came from.
@@ -194,10 +194,8 @@ impl Texels for Material {
             // A round lobe is not turned: that would only round it.
             let directed = length > SHORTEST_NORMAL && strength > 0.0;
             let (cos, sin) = if directed { (dx / length, dy / length) } else { (1.0, 0.0) };
-            let alpha = r * r;
-            // glTF KHR_materials_anisotropy: alpha_t = mix(alpha, 1, strength^2), alpha_b = alpha.
-            let along = alpha + (1.0 - alpha) * strength * strength;
-            let tensor = RoughnessTensor { xx: along * along, xy: 0.0, yy: alpha * alpha }.rotated(cos, sin);
+            let alpha = PerceptualRoughness(*r).alpha();
+            let tensor = Gltf { alpha, strength, direction: Vec2::new(cos, sin) }.tensor();
             (xx[i], xy[i], yy[i]) = (tensor.xx, tensor.xy, tensor.yy);
         }
     }

@@ -6,6 +6,7 @@
 //! planar, and merges with the same arithmetic.
 
 mod block;
+pub mod diffuse;
 mod reduce;
 
 use std::ops::{Add, AddAssign};

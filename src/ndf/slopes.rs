@@ -144,7 +144,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::ndf::{Axes, Ndf};
+    use crate::ndf::{Axes, Ndf, ShapeInvariant};
     use crate::roughness::Alpha;
 
     prop_compose! {

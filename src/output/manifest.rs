@@ -3,11 +3,14 @@
 use serde::Serialize;
 
 use super::exr::{MOMENT_CHANNELS, role_name};
+use super::extra;
 use super::plan::{Content, Format, Output, Plan, Request};
 use crate::codec::Depth;
 use crate::fold::{Chain, Options};
 use crate::image::{Size, Wrap};
-use crate::material::{GENERATOR, LOBE_CHANNELS, MapFile, Material, NormalY, NormalZ, Origin, Role, SCHEMA};
+use crate::material::{
+    Encoding, Extra, GENERATOR, LOBE_CHANNELS, MapFile, Material, NormalY, NormalZ, Origin, Role, SCHEMA,
+};
 use crate::ndf::Form;
 
 /// `manifest.json`: no times and no machine facts, so that the same build gives the same bytes.
@@ -65,6 +68,9 @@ pub struct OutputMap {
     levels: Vec<Size>,
     /// Where level 0 comes from.
     level_0: &'static str,
+    /// How to read the channels r, g, b, in the order of `channels`, where their roles do not say it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    decode: Option<&'static str>,
 }
 
 impl Manifest {
@@ -148,6 +154,7 @@ fn maps(material: &Material, chain: &Chain, plan: &Plan, request: &Request) -> V
                     channels: channels(material, map),
                     levels: levels.clone(),
                     level_0: level_0(file, encoding),
+                    decode: None,
                 });
             }
         }
@@ -166,7 +173,50 @@ fn maps(material: &Material, chain: &Chain, plan: &Plan, request: &Request) -> V
             channels: named(&names),
             levels: levels.clone(),
             level_0: "folded inputs",
+            decode: None,
         });
+    }
+    out.extend(extras(material, &levels, plan, request));
+    out
+}
+
+fn extras(material: &Material, levels: &[Size], plan: &Plan, request: &Request) -> Vec<OutputMap> {
+    let mut out = Vec::new();
+    let png = if extra::bits(material) == 8 { "unorm8" } else { "unorm16" };
+    let exr = if request.depth == Depth::Half { "float16" } else { "float32" };
+    for wanted in Extra::ALL {
+        let in_png = |o: &&Output| matches!(o.content, Content::ExtraLevel { extra, .. } if extra == wanted);
+        let in_exr = |o: &&Output| o.content == Content::ExtraLevels { extra: wanted };
+        let name = |o: &Output| o.name.clone();
+        let files: [Vec<String>; 2] = [
+            plan.outputs.iter().filter(in_png).map(name).collect(),
+            plan.outputs.iter().filter(in_exr).map(name).collect(),
+        ];
+        let kinds = [(Format::Png, Encoding::Unsigned, png), (Format::Exr, Encoding::Signed, exr)];
+        for (files, (container, form, encoding)) in files.into_iter().zip(kinds) {
+            let channels = wanted.channels(form);
+            let names: &[&str] = match container {
+                Format::Png if channels.len() == 1 => &["Y"],
+                Format::Png => &["R", "G", "B"],
+                Format::Exr => &[],
+            };
+            let named = |(i, (name, role)): (usize, &(&'static str, &'static str))| ChannelRole {
+                name: names.get(i).unwrap_or(name).to_string(),
+                role,
+            };
+            if !files.is_empty() {
+                out.push(OutputMap {
+                    role: wanted.name(),
+                    container,
+                    files,
+                    encoding,
+                    channels: channels.iter().enumerate().map(named).collect(),
+                    levels: levels.to_vec(),
+                    level_0: "the inputs' own lobes",
+                    decode: Some(wanted.decode(form)),
+                });
+            }
+        }
     }
     out
 }

@@ -1,12 +1,15 @@
 //! A chain becomes files: PNG per level, mip-mapped EXR, lobes, moments, manifest; whole or not at all.
 
+mod energy;
 mod exr;
+mod extra;
 mod manifest;
 mod plan;
 mod stage;
 mod write;
 
 pub use crate::material::{MANIFEST, SCHEMA};
+pub use energy::fold_for;
 pub use manifest::{Input, Manifest, OutputMap};
 pub use plan::{Content, Format, Output, Plan, Request, safe_name};
 pub use stage::{Stage, may_write};

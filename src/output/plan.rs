@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::{MANIFEST, may_write};
 use crate::codec::Depth;
 use crate::error::{Error, Result};
-use crate::material::{Earlier, MapFile, Material, Origin, same_path};
+use crate::material::{Earlier, Extra, MapFile, Material, Origin, same_path};
 
 /// A container.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
@@ -30,6 +30,8 @@ pub struct Request {
     pub depth: Depth,
     /// Whether to write the raw slope moments.
     pub moments: bool,
+    /// Further maps, in each container.
+    pub extras: Vec<Extra>,
     /// Whether files that mipfold did not write may be replaced.
     pub force: bool,
 }
@@ -62,6 +64,18 @@ pub enum Content {
     Lobes,
     /// LEAN moments in the order of OpenImageIO's bumpslopes.
     Moments,
+    /// A level of an extra map.
+    ExtraLevel {
+        /// Which.
+        extra: Extra,
+        /// 0 is that of the input.
+        level: usize,
+    },
+    /// All levels of an extra map.
+    ExtraLevels {
+        /// Which.
+        extra: Extra,
+    },
 }
 
 /// All files of a material, level 0 of the largest maps first.
@@ -90,16 +104,25 @@ impl Plan {
             let mut names =
                 (1..).map(|n| if n == 1 { format!("{prefix}_{suffix}") } else { format!("{prefix}_{suffix}_{n}") });
             let taken = |name: &String| material.maps.iter().any(|map| map.stem.eq_ignore_ascii_case(name));
-            names.find(|name| !taken(name)).expect("some number is free") + ".exr"
+            names.find(|name| !taken(name)).expect("some number is free")
         };
         if request.formats.contains(&Format::Exr) {
             for (map, file) in material.maps.iter().enumerate() {
                 push(format!("{}.exr", file.stem), Content::Levels { map });
             }
-            push(free("lobes"), Content::Lobes);
+            push(free("lobes") + ".exr", Content::Lobes);
         }
         if request.moments {
-            push(free("moments"), Content::Moments);
+            push(free("moments") + ".exr", Content::Moments);
+        }
+        for extra in Extra::ALL.into_iter().filter(|extra| request.extras.contains(extra)) {
+            let stem = free(extra.name());
+            if request.formats.contains(&Format::Png) {
+                (0..levels).for_each(|level| push(png_name(&stem, level), Content::ExtraLevel { extra, level }));
+            }
+            if request.formats.contains(&Format::Exr) {
+                push(format!("{stem}.exr"), Content::ExtraLevels { extra });
+            }
         }
         Self { outputs }
     }

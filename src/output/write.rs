@@ -5,6 +5,7 @@ use std::io::Write;
 use rayon::prelude::*;
 
 use super::exr::{view, write_lobes, write_map, write_moments};
+use super::extra::{ExtraLevel, write_extra};
 use super::manifest::Manifest;
 use super::plan::{self, Content, Plan, Request};
 use super::{MANIFEST, Stage};
@@ -39,6 +40,10 @@ pub fn write(
             Content::Levels { map } => write_map(out, material, chain, map, request.depth),
             Content::Lobes => write_lobes(out, material, chain),
             Content::Moments => write_moments(out, material, chain),
+            Content::ExtraLevel { extra, level } => {
+                write_png(out, &ExtraLevel::new(material, chain, extra, level).raster())
+            }
+            Content::ExtraLevels { extra } => write_extra(out, material, chain, extra, request.depth),
         })?;
         done();
         Ok(())

@@ -13,6 +13,6 @@ mod rows;
 #[cfg(test)]
 pub(crate) mod tests;
 
-pub use albedo::directional_albedo;
+pub use albedo::{average_albedo, directional_albedo};
 pub use footprint::{Footprint, Interpolation, Reading};
 pub use kernel::{Diffuse, Means, Queries};

@@ -9,7 +9,8 @@ use crate::codec;
 use crate::error::{Error, Result};
 use crate::image::{Size, Wrap};
 use crate::material::{
-    ChannelRef, GENERATOR, Inputs, MANIFEST, Material, NormalRange, NormalY, NormalZ, RoughnessInput, SCHEMA, load_with,
+    ChannelRef, Extra, GENERATOR, Inputs, MANIFEST, Material, NormalRange, NormalY, NormalZ, RoughnessInput, SCHEMA,
+    load_with,
 };
 use crate::ndf::Form;
 use crate::roughness::PerceptualRoughness;
@@ -59,11 +60,12 @@ struct Map {
 }
 
 impl Map {
-    /// `None` for slope moments, which are no chain of lobes.
+    /// `None` for slope moments and extra maps, which are no chain of lobes.
     fn container(&self) -> Option<Container> {
         match self.role.as_str() {
             "lobes" => Some(Container::Lobes),
             "slope-moments" => None,
+            extra if Extra::by_name(extra).is_some() => None,
             _ => Container::by_name(&self.container),
         }
     }

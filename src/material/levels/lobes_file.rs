@@ -11,7 +11,7 @@ use crate::error::{Error, Result};
 use crate::image::{Raster, Samples, Size};
 use crate::material::source::SHORTEST_NORMAL;
 use crate::material::{ChannelRef, Inputs, Material, NormalRange, NormalZ, Origin, RoughnessInput, load_with};
-use crate::ndf::{Axes, Form, Lobe, Lobes, RoughnessTensor};
+use crate::ndf::{Axes, Form, Gltf, Lobe, Lobes, RoughnessTensor};
 use crate::roughness::Alpha;
 
 /// The channels of a lobes file: unit normal (OpenGL, +Y up), widths, and the angle in radians from the lobe's
@@ -106,9 +106,8 @@ fn material(path: &Path, picture: &Decoded, lobes: &Lobes) -> Result<Material> {
             map(&|lobe| [lobe.axes().alpha_y.perceptual().0; 3])
         } else {
             map(&|lobe| {
-                let Axes { alpha_x: Alpha(along), alpha_y: Alpha(across), angle } = lobe.axes();
-                let strength = if across < 1.0 { ((along - across) / (1.0 - across)).max(0.0).sqrt() } else { 0.0 };
-                [0.5 + 0.5 * angle.cos(), 0.5 + 0.5 * angle.sin(), strength]
+                let Gltf { strength, direction, .. } = Gltf::from_axes(lobe.axes());
+                [0.5 + 0.5 * direction.x, 0.5 + 0.5 * direction.y, strength]
             })
         })
     };

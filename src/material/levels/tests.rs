@@ -63,6 +63,7 @@ fn build(change: impl FnOnce(&mut Inputs), form: Form) -> Build {
         formats: vec![Format::Png, Format::Exr],
         depth: Depth::Half,
         moments: true,
+        extras: Vec::new(),
         force: false,
     };
     let plan = Plan::new(&material, &request);
