@@ -57,7 +57,7 @@ fn build(criterion: &mut Criterion) {
             pool.install(|| {
                 let material = load(black_box(&inputs)).unwrap();
                 let chain = chain(&material, &options);
-                let plan = Plan::new(&material, &request);
+                let plan = Plan::new(&material, &options, &request);
                 write(&material, &chain, &options, &plan, &request, &|| ()).unwrap();
             });
         });

@@ -33,7 +33,7 @@ fn main() -> mipfold::Result<()> {
         force: false,
     };
     // The plan names every file before anything is folded; `write` makes all of them or none.
-    let plan = Plan::new(&material, &request);
+    let plan = Plan::new(&material, &options, &request);
     let folded = chain(&material, &options);
     write(&material, &folded, &options, &plan, &request, &|| ())?;
     plan.outputs.iter().for_each(|file| println!("{}", file.name));

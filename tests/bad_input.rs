@@ -257,6 +257,10 @@ fn bad_words_and_numbers_are_refused() {
         ("--roughness @r.png --gloss @r.png", "--gloss"),
         ("--roughness @r.png --orm @r.png", "--orm"),
         ("--fold clean --lobes aniso", "--lobes aniso"),
+        ("--fold toksvig --lobes 2", "--lobes 2: found fold 'toksvig', which has one lobe only"),
+        ("--fold toksvig --lobes haze", "one lobe only"),
+        ("--fold toksvig --lobes 3-aniso", "one lobe only"),
+        ("--lobes 5", "--lobes"),
         ("@ --roughness 0.5", "FOLDER"),
         ("--colour red", "--colour"),
     ] {

@@ -149,6 +149,7 @@ fn wrong_options_are_refused() {
     refuses(&desk, "@out --levels 0-2 --limit ^3=0.1", &["--limit lobe-error@3=0.1", "'out'", "0, 1, 2"]);
     refuses(&desk, "@out --lobes aniso", &["--lobes", "--fold"]);
     refuses(&desk, &format!("{BASE} --fold toksvig --lobes aniso"), &["toksvig", "one width only"]);
+    refuses(&desk, &format!("{BASE} --fold toksvig --lobes 3"), &["--lobes 3", "toksvig", "one lobe only"]);
     for args in
         ["--levels x", "--texels 0", "--limit tv=1", "--limit ^4-1=1", "--fold mine", "--directions 0", "--subset 0"]
     {

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
 use super::compare_args::CompareArgs;
+use super::lobes_arg::LobesArg;
 use crate::codec::Depth;
 use crate::fold::{DEFAULT_FOLD, FOLDS, Fold, Options};
 use crate::image::Wrap;
@@ -175,9 +176,10 @@ pub struct ReadingArgs {
 pub struct FoldArgs {
     #[arg(long, value_name = "NAME", default_value = DEFAULT_FOLD.name, value_parser = fold_name, help = "How a footprint becomes one lobe; the names are below")]
     pub fold: &'static Fold,
-    /// Widths of a lobe: iso (drop-in roughness) or aniso (roughness and an anisotropy map) [default: iso, or aniso if
-    /// there is an anisotropy map]
-    #[arg(long, value_enum)]
+    /// Lobes of a texel: iso (drop-in roughness), aniso (roughness and an anisotropy map), 2, 3 or 4 (a map more for each
+    /// further lobe), the same with -aniso, or haze (two lobes sharing a normal) [default: iso, or aniso if there is an
+    /// anisotropy map]
+    #[arg(long, value_enum, hide_possible_values = true, value_name = "LOBES")]
     pub lobes: Option<LobesArg>,
     /// Share of the lost bumps that is folded in: 0 none, 1 all; more exaggerates
     #[arg(long, value_name = "S", default_value = "1", value_parser = not_negative)]
@@ -221,12 +223,6 @@ pub enum WrapArg {
     Clamp,
 }
 
-#[derive(Clone, Copy, PartialEq, ValueEnum)]
-pub enum LobesArg {
-    Iso,
-    Aniso,
-}
-
 impl From<WrapArg> for Wrap {
     fn from(wrap: WrapArg) -> Self {
         match wrap {
@@ -240,19 +236,12 @@ impl From<WrapArg> for Wrap {
 impl FoldArgs {
     /// As asked for, if it was.
     pub fn form(&self) -> Option<Form> {
-        self.lobes.map(|lobes| if lobes == LobesArg::Aniso { Form::Anisotropic } else { Form::Isotropic })
+        self.lobes.map(LobesArg::form)
     }
 
     pub fn options(&self, slope_moments: bool) -> crate::error::Result<Options> {
-        let form = self.form().unwrap_or(Form::Isotropic);
-        if form == Form::Anisotropic && !self.fold.has_two_widths() {
-            let names: Vec<_> = FOLDS.iter().filter(|f| f.has_two_widths()).map(|f| f.name).collect();
-            return Err(crate::Error::invalid_option(
-                "--lobes aniso",
-                format!("fold '{}', which has one width only", self.fold.name),
-                format!("one of {}", names.join(", ")),
-            ));
-        }
+        let lobes = self.lobes.unwrap_or(LobesArg::Iso);
+        lobes.check(self.fold)?;
         if self.min_alpha > self.max_alpha {
             return Err(crate::Error::invalid_option(
                 "--min-alpha",
@@ -262,8 +251,9 @@ impl FoldArgs {
         }
         Ok(Options {
             fold: self.fold,
-            form,
-            lobes: 1,
+            form: lobes.form(),
+            lobes: lobes.count(),
+            shared_normal: lobes.shared_normal(),
             strength: self.strength,
             min_alpha: Alpha(self.min_alpha),
             max_alpha: Alpha(self.max_alpha),

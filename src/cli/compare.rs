@@ -2,18 +2,19 @@
 
 use rayon::prelude::*;
 
-use super::args::{Global, LobesArg};
+use super::args::Global;
 use super::chains::{Chain, Source};
 use super::compare_args::{CompareArgs, FoldChoice};
 use super::inputs::{folder, read_as, single};
 use super::judging::{self, Judging, REPORT_FILES, may_report};
+use super::lobes_arg::LobesArg;
 use super::report::Report;
 use super::table::table;
 use crate::compare::{Candidate, Limit, Settings};
 use crate::error::{Error, Result};
 use crate::fold::{self, DEFAULT_FOLD, FOLDS, Fold, Options};
 use crate::material::{Earlier, LevelChain, Material, Texels, base_lobes, load, read_folder};
-use crate::ndf::{Form, Lobes};
+use crate::ndf::{Form, Lobes, lobes_in_words};
 use crate::output::Stage;
 use crate::report::{ChainAbout, not_this_surface, verdict};
 
@@ -49,7 +50,11 @@ pub fn run(args: &CompareArgs, global: &Global, report: &mut Report) -> Result<(
         candidates.push(Candidate { name: chain.name.clone(), fold: read.fold, levels: read.levels });
     }
     let folds = folds(args, &material)?;
-    candidates.extend(folds.into_iter().map(|(fold, form)| folded(fold.name, &material, fold, form)));
+    candidates.extend(folds.into_iter().map(|(fold, lobes)| {
+        // A mixture is another fold than its one lobe; how many widths it has stands beside the name.
+        let name = fold.name.to_owned() + &lobes_in_words(Form::Isotropic, lobes.count(), lobes.shared_normal());
+        folded(&name, &material, fold, lobes)
+    }));
     let of_surface = |source: &str| ChainAbout { source: source.into(), ..ChainAbout::default() };
     about.resize(candidates.len(), of_surface("folded from the surface"));
     check_limits(&args.limit, &candidates, &settings, material.size.level_count())?;
@@ -179,8 +184,8 @@ fn check_limits(limits: &[Limit], chains: &[Candidate], settings: &Settings, cou
     Ok(())
 }
 
-/// The folds to judge, each with its number of widths.
-fn folds(args: &CompareArgs, material: &Material) -> Result<Vec<(&'static Fold, Form)>> {
+/// The folds to judge, each with its lobes.
+fn folds(args: &CompareArgs, material: &Material) -> Result<Vec<(&'static Fold, LobesArg)>> {
     let mut folds: Vec<&'static Fold> = Vec::new();
     let mut add = |fold: &'static Fold| {
         if !folds.iter().any(|other| other.name == fold.name) {
@@ -191,9 +196,8 @@ fn folds(args: &CompareArgs, material: &Material) -> Result<Vec<(&'static Fold, 
     for choice in &args.fold {
         match choice {
             FoldChoice::One(fold) => {
-                if args.lobes == Some(LobesArg::Aniso) && !fold.has_two_widths() {
-                    let found = format!("fold '{}', which has one width only", fold.name);
-                    return Err(Error::invalid_option("--lobes aniso", found, "folds of two widths"));
+                if let Some(lobes) = args.lobes {
+                    lobes.check(fold)?;
                 }
                 add(fold);
             }
@@ -202,37 +206,41 @@ fn folds(args: &CompareArgs, material: &Material) -> Result<Vec<(&'static Fold, 
         }
     }
     if folds.is_empty() && args.lobes.is_some() && !args.chains.is_empty() {
-        let expected = "--fold NAME beside it, whose widths it says; those of a CHAIN are its own";
+        let expected = "--fold NAME beside it, whose lobes it says; those of a CHAIN are its own";
         return Err(Error::invalid_option("--lobes", "no --fold", expected));
     }
     if folds.is_empty() && args.chains.is_empty() {
+        args.lobes.map_or(Ok(()), |lobes| lobes.check(DEFAULT_FOLD))?;
         folds.push(DEFAULT_FOLD);
     }
-    let aniso = args.lobes.map_or(material.is_anisotropic(), |lobes| lobes == LobesArg::Aniso);
-    let form = |fold: &Fold| if aniso && fold.has_two_widths() { Form::Anisotropic } else { Form::Isotropic };
-    Ok(folds.into_iter().map(|fold| (fold, form(fold))).collect())
+    let usual = if material.is_anisotropic() { LobesArg::Aniso } else { LobesArg::Iso };
+    let wanted = args.lobes.unwrap_or(usual);
+    // Of all folds, those that cannot have it give what they can.
+    let lobes = |fold: &Fold| {
+        let plainer = if wanted.form() == Form::Anisotropic { LobesArg::Aniso } else { LobesArg::Iso };
+        [wanted, plainer].into_iter().find(|lobes| lobes.fits(fold)).unwrap_or(LobesArg::Iso)
+    };
+    Ok(folds.into_iter().map(|fold| (fold, lobes(fold))).collect())
 }
 
 /// A fold of the surface.
-fn folded(name: &str, material: &Material, fold: &'static Fold, form: Form) -> Candidate {
-    let options = Options { fold, form, ..Options::default() };
+fn folded(name: &str, material: &Material, fold: &'static Fold, lobes: LobesArg) -> Candidate {
+    let (form, count, shared_normal) = (lobes.form(), lobes.count(), lobes.shared_normal());
+    let options = Options { fold, form, lobes: count, shared_normal, ..Options::default() };
     let levels = levels(material, fold::chain(material, &options), form);
-    let widths = if form == Form::Anisotropic { ", two widths" } else { "" };
-    Candidate { name: name.into(), fold: Some(format!("{}{widths}", fold.name)), levels }
+    let fold = fold.name.to_owned() + &lobes_in_words(form, count, shared_normal);
+    Candidate { name: name.into(), fold: Some(fold), levels }
 }
 
 /// What engines make of the surface.
 pub fn plain_mips(material: &Material) -> Result<Candidate> {
-    Ok(folded(PLAIN, material, Fold::by_name("average")?, Form::Isotropic))
+    Ok(folded(PLAIN, material, Fold::by_name("average")?, LobesArg::Iso))
 }
 
 /// All levels as lobes, the finest first. A surface of two widths keeps them at level 0, whatever the fold has.
 pub fn levels(material: &Material, chain: fold::Chain, form: Form) -> Vec<Lobes> {
     let form = if material.is_anisotropic() { Form::Anisotropic } else { form };
-    let in_form = |lobes: Lobes| {
-        if lobes.form() == form { lobes } else { Lobes::from_fn(form, lobes.size(), |x, y| lobes.at(x, y)) }
-    };
-    chain.into_lobes(base_lobes(material, form)).into_iter().map(in_form).collect()
+    chain.into_lobes(base_lobes(material, form)).into_iter().map(|lobes| lobes.in_form(form)).collect()
 }
 
 /// Names that stand for one chain each.

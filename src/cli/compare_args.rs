@@ -6,7 +6,8 @@ use std::str::FromStr;
 
 use clap::{Args, ValueEnum};
 
-use super::args::{LobesArg, MapArgs, ReadingArgs, entry, fold_list, fold_name};
+use super::args::{MapArgs, ReadingArgs, entry, fold_list, fold_name};
+use super::lobes_arg::LobesArg;
 use crate::compare::{Limit, Metric, Settings, level_range};
 use crate::error::{Error, Result};
 use crate::fold::Fold;
@@ -55,9 +56,9 @@ pub struct CompareArgs {
     /// Judge these folds of level 0 as well: names separated by commas, or all [default, without CHAIN: projected]
     #[arg(long, value_name = "NAME", value_delimiter = ',', value_parser = fold_choice)]
     pub fold: Vec<FoldChoice>,
-    /// Widths of the lobes of --fold: iso or aniso; chains keep theirs [default: iso, or aniso if there is an anisotropy
-    /// map]
-    #[arg(long, value_enum)]
+    /// Lobes of --fold: iso, aniso, 2, 3, 4, 2-aniso, 3-aniso, 4-aniso or haze, as in `build`; chains keep theirs
+    /// [default: iso, or aniso if there is an anisotropy map]
+    #[arg(long, value_enum, hide_possible_values = true, value_name = "LOBES")]
     pub lobes: Option<LobesArg>,
     /// Leave out the baseline: plain mips of level 0
     #[arg(long)]

@@ -13,6 +13,7 @@ use crate::error::{Error, Result};
 use crate::fold::Options;
 use crate::image::Raster;
 use crate::material::{ChannelRef, Earlier, Inputs, RoughnessInput};
+use crate::ndf::{Form, lobes_in_words};
 use crate::output::{Format, Request, Stage, may_write};
 use crate::reference::Reading;
 use crate::render::{DISTANCES, Scene, distance_strip};
@@ -89,7 +90,8 @@ fn one(sample: &Sample, args: &DemoArgs, options: &Options, global: &Global, rep
     let Done { material, options, chain: folded, built } = job.run(global.dry_run, &report.progress)?;
     report.built(built);
     if let Some(folded) = folded {
-        let fold = Some(options.fold.name.to_owned());
+        let words = lobes_in_words(Form::Isotropic, options.lobes, options.shared_normal);
+        let fold = Some(options.fold.name.to_owned() + &words);
         let folded = Candidate { name: "folded".into(), fold, levels: levels(&material, folded, options.form) };
         let candidates = [folded, plain_mips(&material)?];
         report.progress.set_message("drawing near to far");

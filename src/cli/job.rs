@@ -40,7 +40,7 @@ impl Job<'_> {
             material.ensure_anisotropy_map();
         }
         request.extras.iter().try_for_each(|extra| extra.check(options.form, options.lobes))?;
-        let plan = Plan::new(&material, request);
+        let plan = Plan::new(&material, &options, request);
         plan.check(&material, request)?;
         let files = plan.outputs.iter().map(|o| o.name.clone()).chain([MANIFEST.to_owned()]).collect();
         let built = Built {

@@ -10,6 +10,7 @@ mod demo;
 mod inputs;
 mod job;
 mod judging;
+mod lobes_arg;
 mod report;
 mod table;
 

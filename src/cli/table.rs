@@ -1,13 +1,16 @@
 //! A judged chain as lines of text.
 
 use crate::compare::{ChainScore, LevelScore};
-use crate::ndf::Form;
 
 /// A chain's levels, one a line, figures aligned.
 pub fn table(chain: &ChainScore) -> String {
-    let widths = if chain.lobes == Form::Anisotropic { "two widths" } else { "one width" };
+    let (widths, words) = (chain.lobes.widths(), chain.lobes_in_words());
     let mut about: Vec<&str> = chain.fold.iter().filter(|fold| **fold != chain.name).map(String::as_str).collect();
-    if !about.iter().any(|fold| fold.contains(widths)) {
+    // A fold's own words may say it, or the name.
+    let said = |words: &str| about.iter().any(|fold| fold.contains(words));
+    if chain.count > 1 && !said("lobes") && !chain.name.contains("lobes") {
+        about.push(&words);
+    } else if !said(widths) {
         about.push(widths);
     }
     let mut lines = vec![
@@ -37,6 +40,7 @@ fn line(level: &LevelScore) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::ndf::Form;
 
     #[test]
     fn columns_are_aligned() {
@@ -45,6 +49,7 @@ mod tests {
             name: "mine".into(),
             fold: Some("lean".into()),
             lobes: Form::Isotropic,
+            count: 1,
             levels: vec![level(0, 4096), level(12, 1)],
         };
         let text = table(&chain);
@@ -55,5 +60,14 @@ mod tests {
         assert_eq!(lines[2].len(), lines[3].len());
         assert_eq!(end(lines[1], "size"), end(lines[2], "4096x4096"));
         assert_eq!(end(lines[1], "size"), end(lines[3], "1x1"));
+        let head = |name: &str, fold: Option<&str>, lobes| {
+            let chain =
+                ChainScore { name: name.into(), fold: fold.map(String::from), lobes, count: 2, ..chain.clone() };
+            table(&chain).trim_start().lines().next().unwrap().to_owned()
+        };
+        assert_eq!(head("out", Some("ggx, 2 lobes"), Form::Isotropic), "out (ggx, 2 lobes, one width)");
+        assert_eq!(head("out", Some("ggx, 2 lobes, two widths"), Form::Anisotropic), "out (ggx, 2 lobes, two widths)");
+        assert_eq!(head("ggx, 2 lobes", Some("ggx, 2 lobes"), Form::Isotropic), "ggx, 2 lobes (one width)");
+        assert_eq!(head("foreign", None, Form::Anisotropic), "foreign (2 lobes, two widths)");
     }
 }

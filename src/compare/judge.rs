@@ -9,7 +9,7 @@ use super::score::{ChainScore, Energy, Judgement, LevelScore, Place, Summary, Wo
 use crate::error::{Error, Result};
 use crate::image::Size;
 use crate::material::Texels;
-use crate::ndf::{Lobe, Lobes};
+use crate::ndf::{Lobe, Lobes, are_shares};
 use crate::random::Random;
 use crate::reference::{Footprint, Means, Reading};
 
@@ -20,7 +20,8 @@ pub struct Candidate {
     pub name: String,
     /// How it was folded, if that is known.
     pub fold: Option<String>,
-    /// Level 0 first; sizes as [`Size::level`]. A chain may stop before 1x1.
+    /// Level 0 first; sizes as [`Size::level`]. A chain may stop before 1x1. Each level has the number of lobes that it
+    /// likes: usually level 0 has one, and the others as many as they were folded to.
     pub levels: Vec<Lobes>,
 }
 
@@ -80,7 +81,8 @@ pub fn judge_one(base: &dyn Texels, chain: Candidate, settings: &Settings) -> Re
 ///
 /// # Errors
 /// A chain without levels, or one whose level 0 or other levels do not have the sizes of the base's; a lobe that is none:
-/// not finite, without width, or not facing out of the surface.
+/// not finite, without width, or not facing out of the surface (of weight 0 too, for filtering reads it); weights below 0,
+/// or that do not sum to 1 ([`are_shares`]).
 pub fn judge(
     base: &dyn Texels,
     chains: &[Candidate],
@@ -111,6 +113,7 @@ pub fn judge(
             name: chain.name.clone(),
             fold: chain.fold.clone(),
             lobes: chain.levels[0].form(),
+            count: chain.levels.iter().map(Lobes::count).max().unwrap_or(1),
             levels: Vec::new(),
         })
         .collect();
@@ -134,15 +137,26 @@ fn check(size: Size, chains: &[Candidate]) -> Result<()> {
                 let expected = format!("{expected}, for the base is {size}");
                 return Err(Error::invalid_option(&chain.name, format!("level {k} of {found}"), expected));
             }
-            let wrong = |&(x, y): &(usize, usize)| !is_lobe(&level.at(x, y));
             let places = (0..found.texels()).into_par_iter().map(|i| (i % found.width, i / found.width));
-            if let Some((x, y)) = places.find_first(wrong) {
-                let found = format!("{:?} in level {k}, column {x}, row {y}", level.at(x, y));
-                return Err(Error::invalid_option(&chain.name, found, "a normal that faces out, and finite widths"));
+            let fault = |(x, y)| fault(level, x, y).map(|fault| (x, y, fault));
+            if let Some((x, y, (found, expected))) = places.find_map_first(fault) {
+                let found = format!("{found} in level {k}, column {x}, row {y}");
+                return Err(Error::invalid_option(&chain.name, found, expected));
             }
         }
     }
     Ok(())
+}
+
+/// What is wrong with a texel, and what would be right.
+fn fault(level: &Lobes, x: usize, y: usize) -> Option<(String, &'static str)> {
+    let slots = || (0..level.count()).map(|j| level.slot(j, x, y));
+    if let Some((lobe, _)) = slots().find(|(lobe, _)| !is_lobe(lobe)) {
+        return Some((format!("{lobe:?}"), "a normal that faces out, and finite widths"));
+    }
+    let weights = || slots().map(|(_, weight)| weight);
+    (!are_shares(weights()))
+        .then(|| (format!("weights {:?}", weights().collect::<Vec<_>>()), "weights from 0 up that sum to 1"))
 }
 
 /// A normal with a direction out of the surface, of any length, and a tensor with squared widths from 0 up.
@@ -219,8 +233,14 @@ impl Bench<'_> {
 
     fn judge_texel(&self, place: Place) -> Vec<Figures> {
         let truth = self.truth(place);
-        let lobe = |chain: &&Candidate| chain.levels[self.level].at(place.x, place.y);
-        let own: Vec<_> = self.chains.iter().map(|chain| Footprint::of_lobes(&[(lobe(chain), 1.0)])).collect();
+        let own: Vec<_> = self
+            .chains
+            .iter()
+            .map(|chain| {
+                let lobes = chain.levels[self.level].mixture(place.x, place.y);
+                Footprint::of_lobes(&lobes.map(|(lobe, weight)| (lobe, f64::from(weight))).collect::<Vec<_>>())
+            })
+            .collect();
         let stream = |purpose| Random::for_texel(self.settings.seed, purpose, self.level, (place.x, place.y));
         let random = [stream(FROM_TRUTH), stream(FROM_CHAIN)];
         let questions = Questions::new(&truth, &own, self.counts, random);

@@ -228,6 +228,7 @@ mod tests {
             name: "mine".into(),
             fold: None,
             lobes: crate::ndf::Form::Isotropic,
+            count: 1,
             levels: vec![level(0, 0.0), level(1, 0.2), level(2, 0.5), level(3, f64::NAN)],
         };
         let breaches = chain.breaches(&["0.3".parse().unwrap(), "@1=0.1".parse().unwrap()]);

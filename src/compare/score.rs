@@ -119,6 +119,8 @@ pub struct ChainScore {
     pub fold: Option<String>,
     /// One width or two.
     pub lobes: Form,
+    /// Lobes of a texel: the most of any level.
+    pub count: usize,
     /// Finest first.
     pub levels: Vec<LevelScore>,
 }
@@ -148,6 +150,12 @@ pub struct Judgement {
 }
 
 impl ChainScore {
+    /// "one width", "2 lobes, two widths".
+    pub fn lobes_in_words(&self) -> String {
+        let widths = self.lobes.widths();
+        if self.count == 1 { widths.into() } else { format!("{} lobes, {widths}", self.count) }
+    }
+
     /// The level with the largest mean lobe error; `None` if no level was judged.
     pub fn worst_level(&self) -> Option<&LevelScore> {
         self.levels.iter().max_by(|a, b| a.lobe_error.mean.total_cmp(&b.lobe_error.mean))

@@ -31,6 +31,8 @@ pub struct Options {
     pub form: Form,
     /// Lobes a texel, 1 to [`crate::ndf::MOST_LOBES`].
     pub lobes: usize,
+    /// Whether the lobes of a texel differ in width alone: what engines with one normal and two roughnesses shade.
+    pub shared_normal: bool,
     /// Share of what the fold adds to the mean alpha^2: 0 nothing, 1 all of it; more exaggerates. `average` adds nothing.
     pub strength: f32,
     /// Smallest width written in any level but the first.
@@ -49,6 +51,7 @@ impl Default for Options {
             fold: DEFAULT_FOLD,
             form: Form::Isotropic,
             lobes: 1,
+            shared_normal: false,
             strength: 1.0,
             min_alpha: Alpha(0.0),
             max_alpha: Alpha(1.0),

@@ -2,10 +2,11 @@
 //! it: a level is loaded like a material of its own, with what level 0 has settled.
 
 mod folder;
+mod further;
 mod lobes_file;
 
 pub use folder::{Container, read_folder};
-pub use lobes_file::{LOBE_CHANNELS, read_lobes};
+pub use lobes_file::{LOBE_CHANNELS, lobe_channels, read_lobes};
 
 use std::path::{Path, PathBuf};
 
@@ -29,6 +30,9 @@ pub struct LevelChain {
     /// Which of the containers of a build's folder was read.
     pub container: Option<Container>,
 }
+
+/// What level 0 of a mixture must have, for it is a surface to judge against.
+const ONE_LOBE_AT_LEVEL_0: &str = "one lobe at level 0: weight 0 for all others";
 
 /// The most levels that are looked for: the longest side that a picture may have is 2^30.
 const MOST_LEVELS: usize = 31;
@@ -162,12 +166,17 @@ impl Maps {
         }
     }
 
-    /// The inputs of a level.
-    fn inputs(&self, inputs: &Inputs, level: usize) -> Inputs {
-        let file = |path: &Path| match self.0.iter().find(|map| map.key == path).map(|map| &map.files) {
+    /// The file of a level of a map, as [`Maps::picture`] takes it.
+    fn file(&self, path: &Path, level: usize) -> PathBuf {
+        match self.0.iter().find(|map| map.key == path).map(|map| &map.files) {
             Some(Files::Each(files)) => files[level].clone(),
             _ => path.to_owned(),
-        };
+        }
+    }
+
+    /// The inputs of a level.
+    fn inputs(&self, inputs: &Inputs, level: usize) -> Inputs {
+        let file = |path: &Path| self.file(path, level);
         let channel = |c: &ChannelRef| ChannelRef { path: file(&c.path), channel: c.channel };
         Inputs {
             normal: inputs.normal.as_deref().map(file),
@@ -181,7 +190,7 @@ impl Maps {
         }
     }
 
-    /// The picture of a file that [`Maps::inputs`] named for a level.
+    /// The picture of a file that [`Maps::file`] named for a level.
     fn picture(&self, path: &Path, level: usize) -> Result<Decoded> {
         for map in &self.0 {
             if let Files::One(pictures) = &map.files

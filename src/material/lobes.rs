@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::Texels;
-use crate::ndf::{Form, Lobes, RoughnessTensor};
+use crate::ndf::{Form, Lobes};
 
 /// Level 0 in the form that the surface itself has, so that nothing is lost.
 pub fn surface_lobes(texels: &dyn Texels) -> Lobes {
@@ -15,29 +15,37 @@ pub fn base_lobes(texels: &dyn Texels, form: Form) -> Lobes {
     let size = texels.size();
     let mut lobes = Lobes::zeros(form, size);
     let rows: Vec<_> = lobes.bands_mut(1).collect();
-    rows.into_par_iter().enumerate().for_each_init(
-        || vec![vec![0.0; size.width]; 8],
-        |scratch, (y, mut out)| {
-            let [nx, ny, nz, perceptual, coverage, xx, xy, yy] = &mut scratch[..] else { unreachable!("eight rows") };
-            texels.normals(y, 0, [&mut *nx, &mut *ny, &mut *nz], coverage);
-            texels.perceptual(y, 0, perceptual);
-            if texels.is_anisotropic() {
-                texels.tensors(y, 0, perceptual, [&mut *xx, &mut *xy, &mut *yy]);
-            }
-            for x in 0..size.width {
-                let tensor = if texels.is_anisotropic() {
-                    RoughnessTensor { xx: xx[x], xy: xy[x], yy: yy[x] }
-                } else {
-                    let a2 = perceptual[x].powi(4);
-                    RoughnessTensor { xx: a2, xy: 0.0, yy: a2 }
-                };
-                let values = match form {
-                    Form::Isotropic => [nx[x], ny[x], nz[x], tensor.mean(), 0.0, 0.0],
-                    Form::Anisotropic => [nx[x], ny[x], nz[x], tensor.xx, tensor.xy, tensor.yy],
-                };
-                values.iter().take(form.planes()).enumerate().for_each(|(plane, v)| out[(plane, 0, x)] = *v);
-            }
-        },
-    );
+    rows.into_par_iter().enumerate().for_each_init(BaseRows::default, |buffers, (y, mut out)| {
+        let planes = buffers.read(texels, form, y, 0, size.width);
+        for (plane, values) in planes.iter().enumerate() {
+            values.iter().enumerate().for_each(|(x, v)| out[(plane, 0, x)] = *v);
+        }
+    });
     lobes
+}
+
+/// Parts of rows of level 0 as lobes.
+#[derive(Default)]
+pub(super) struct BaseRows([Vec<f32>; 8]);
+
+impl BaseRows {
+    /// The planes of [`Lobes`] for `n` texels from column `x` of row `y` on.
+    pub fn read(&mut self, texels: &dyn Texels, form: Form, y: usize, x: usize, n: usize) -> &[Vec<f32>] {
+        self.0.iter_mut().for_each(|row| row.resize(n, 0.0));
+        let [nx, ny, nz, xx, xy, yy, perceptual, coverage] = &mut self.0;
+        texels.normals(y, x, [nx, ny, nz], coverage);
+        texels.perceptual(y, x, perceptual);
+        if texels.is_anisotropic() {
+            texels.tensors(y, x, perceptual, [xx, xy, yy]);
+            if form == Form::Isotropic {
+                xx.iter_mut().zip(yy).for_each(|(xx, yy)| *xx = 0.5 * (*xx + *yy));
+            }
+        } else {
+            for i in 0..n {
+                let a2 = perceptual[i].powi(4);
+                (xx[i], xy[i], yy[i]) = (a2, 0.0, a2);
+            }
+        }
+        &self.0[..form.planes()]
+    }
 }

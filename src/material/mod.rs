@@ -3,6 +3,7 @@
 mod built;
 pub mod detect;
 mod extra;
+mod further;
 mod generate;
 mod guess;
 mod height;
@@ -20,9 +21,10 @@ mod texels;
 
 pub use built::{Earlier, GENERATOR, MANIFEST, SCHEMA};
 pub use extra::{Extra, LARGEST_ENERGY};
+pub use further::{FurtherMap, FurtherView};
 pub use inputs::{ChannelRef, DEFAULT_HEIGHT_SCALE, DEFAULT_ROUGHNESS, Inputs, RoughnessInput};
 pub use inspect::Findings;
-pub use levels::{Container, LOBE_CHANNELS, LevelChain, read_folder, read_lobes, read_maps};
+pub use levels::{Container, LOBE_CHANNELS, LevelChain, lobe_channels, read_folder, read_lobes, read_maps};
 pub use load::{ReadPicture, load, load_with};
 pub use lobes::{base_lobes, surface_lobes};
 pub use pack::{Encoding, LevelView};

@@ -50,32 +50,44 @@ impl<'a> LevelView<'a> {
                 }
             }
             Some((lobes, others)) => {
-                let n = out.len();
-                let part = |plane: usize| &lobes.row(plane, y)[x..x + n];
-                match role {
-                    Role::NormalX | Role::NormalY | Role::NormalZ => {
-                        self.normal(role, encoding, [part(0), part(1), part(2)], out);
-                    }
-                    Role::Other(index) => {
-                        let row = others.index_axis(ndarray::Axis(0), index);
-                        let row = row.index_axis_move(ndarray::Axis(0), y);
-                        out.iter_mut().zip(row.iter().skip(x)).for_each(|(out, v)| *out = *v);
-                    }
-                    Role::Roughness | Role::Smoothness if lobes.form() == Form::Isotropic => {
-                        for (out, a2) in out.iter_mut().zip(part(3)) {
-                            let r = a2.sqrt().sqrt();
-                            *out = if role == Role::Smoothness { 1.0 - r } else { r };
-                        }
-                    }
-                    role => {
-                        let planes = if lobes.form() == Form::Isotropic { [3, 3, 3] } else { [3, 4, 5] };
-                        let [xx, xy, yy] = planes.map(part);
-                        for (i, out) in out.iter_mut().enumerate() {
-                            let xy = if lobes.form() == Form::Isotropic { 0.0 } else { xy[i] };
-                            let axes = RoughnessTensor { xx: xx[i], xy, yy: yy[i] }.axes();
-                            *out = anisotropic(role, axes, self.main_axis);
-                        }
-                    }
+                if let Role::Other(index) = role {
+                    let row = others.index_axis(ndarray::Axis(0), index);
+                    let row = row.index_axis_move(ndarray::Axis(0), y);
+                    out.iter_mut().zip(row.iter().skip(x)).for_each(|(out, v)| *out = *v);
+                } else {
+                    let n = out.len();
+                    self.of_lobe(role, encoding, lobes.form(), |plane| &lobes.row(plane, y)[x..x + n], out);
+                }
+            }
+        }
+    }
+
+    /// What a channel holds of lobes, one a texel, whose planes are those of [`Lobes`].
+    pub(super) fn of_lobe<'p>(
+        &self,
+        role: Role,
+        encoding: Encoding,
+        form: Form,
+        part: impl Fn(usize) -> &'p [f32],
+        out: &mut [f32],
+    ) {
+        match role {
+            Role::NormalX | Role::NormalY | Role::NormalZ => {
+                self.normal(role, encoding, [part(0), part(1), part(2)], out);
+            }
+            Role::Roughness | Role::Smoothness if form == Form::Isotropic => {
+                for (out, a2) in out.iter_mut().zip(part(3)) {
+                    let r = a2.sqrt().sqrt();
+                    *out = if role == Role::Smoothness { 1.0 - r } else { r };
+                }
+            }
+            role => {
+                let planes = if form == Form::Isotropic { [3, 3, 3] } else { [3, 4, 5] };
+                let [xx, xy, yy] = planes.map(part);
+                for (i, out) in out.iter_mut().enumerate() {
+                    let xy = if form == Form::Isotropic { 0.0 } else { xy[i] };
+                    let axes = RoughnessTensor { xx: xx[i], xy, yy: yy[i] }.axes();
+                    *out = anisotropic(role, axes, self.main_axis);
                 }
             }
         }
@@ -109,44 +121,59 @@ impl<'a> LevelView<'a> {
         if self.folded.is_none() && file.raster.bits() == bits && ready {
             return Cow::Borrowed(&file.raster);
         }
-        let Size { width, height } = self.size();
-        let dim = (height, width, file.roles.len());
-        let samples = if bits == 8 {
-            let samples = self.quantised(map, 255, |v| v as u8);
-            Samples::U8(Array3::from_shape_vec(dim, samples).expect("every sample"))
-        } else {
-            let samples = self.quantised(map, 65535, |v| v as u16);
-            Samples::U16(Array3::from_shape_vec(dim, samples).expect("every sample"))
-        };
-        Cow::Owned(Raster { samples, channels: file.raster.channels.clone() })
-    }
-
-    /// All samples of a level of a map, texel by texel, rounded to 0..max.
-    fn quantised<T: Copy + Default>(&self, map: usize, max: i32, narrow: impl Fn(i32) -> T) -> Vec<T> {
-        let file = &self.material.maps[map];
-        let channels = file.roles.len();
-        let Size { width, height } = self.size();
         // Level 0 is the input's own pixels, however long its normals are.
         let xy = self.folded.and_then(|_| file.channel(Role::NormalX).zip(file.channel(Role::NormalY)));
-        let mut row = vec![0.0; width];
-        let mut rounded = vec![vec![0; width]; channels];
-        let mut samples = vec![T::default(); width * height * channels];
-        for (y, out) in samples.chunks_exact_mut(width * channels).enumerate() {
-            for (channel, rounded) in rounded.iter_mut().enumerate() {
-                self.row(map, channel, Encoding::Unsigned, y, 0, &mut row);
-                rounded.iter_mut().zip(&row).for_each(|(rounded, v)| *rounded = round(v.clamp(0.0, 1.0) * max as f32));
-            }
-            if let Some((cx, cy)) = xy {
-                for i in 0..width {
-                    (rounded[cx][i], rounded[cy][i]) = inside_unit_disk(rounded[cx][i], rounded[cy][i], max);
-                }
-            }
-            for (channel, rounded) in rounded.iter().enumerate() {
-                out.chunks_exact_mut(channels).zip(rounded).for_each(|(texel, v)| texel[channel] = narrow(*v));
+        let row = |channel: usize, y: usize, row: &mut [f32]| self.row(map, channel, Encoding::Unsigned, y, 0, row);
+        let samples = quantised(self.size(), file.roles.len(), bits, xy, row);
+        Cow::Owned(Raster { samples, channels: file.raster.channels.clone() })
+    }
+}
+
+/// A picture of 8 or 16 bits from rows of channels, 0..1: `row` fills row y of a channel. The channels `xy` are a normal's.
+pub(super) fn quantised(
+    size: Size,
+    channels: usize,
+    bits: u8,
+    xy: Option<(usize, usize)>,
+    row: impl Fn(usize, usize, &mut [f32]),
+) -> Samples {
+    let dim = (size.height, size.width, channels);
+    if bits == 8 {
+        let samples = rounded(size, channels, xy, row, 255, |v| v as u8);
+        Samples::U8(Array3::from_shape_vec(dim, samples).expect("every sample"))
+    } else {
+        let samples = rounded(size, channels, xy, row, 65535, |v| v as u16);
+        Samples::U16(Array3::from_shape_vec(dim, samples).expect("every sample"))
+    }
+}
+
+/// All samples, texel by texel, rounded to 0..max.
+fn rounded<T: Copy + Default>(
+    Size { width, height }: Size,
+    channels: usize,
+    xy: Option<(usize, usize)>,
+    fill: impl Fn(usize, usize, &mut [f32]),
+    max: i32,
+    narrow: impl Fn(i32) -> T,
+) -> Vec<T> {
+    let mut row = vec![0.0; width];
+    let mut rounded = vec![vec![0; width]; channels];
+    let mut samples = vec![T::default(); width * height * channels];
+    for (y, out) in samples.chunks_exact_mut(width * channels).enumerate() {
+        for (channel, rounded) in rounded.iter_mut().enumerate() {
+            fill(channel, y, &mut row);
+            rounded.iter_mut().zip(&row).for_each(|(rounded, v)| *rounded = round(v.clamp(0.0, 1.0) * max as f32));
+        }
+        if let Some((cx, cy)) = xy {
+            for i in 0..width {
+                (rounded[cx][i], rounded[cy][i]) = inside_unit_disk(rounded[cx][i], rounded[cy][i], max);
             }
         }
-        samples
+        for (channel, rounded) in rounded.iter().enumerate() {
+            out.chunks_exact_mut(channels).zip(rounded).for_each(|(texel, v)| texel[channel] = narrow(*v));
+        }
     }
+    samples
 }
 
 /// The nearest integer of 0..65535, ties to even: adding 1.5 * 2^23 leaves it in the low bits, and unlike a saturating

@@ -26,7 +26,7 @@ mod tests;
 pub use beckmann::Beckmann;
 pub use frame::{Frame, bent_from_transported};
 pub use lobe::Lobe;
-pub use lobes::{Form, Lobes, MOST_LOBES};
+pub use lobes::{Form, Lobes, MOST_LOBES, are_shares, lobes_in_words};
 pub use readout::{BURLEY_LEAST_RATIO, Burley, Gltf, TensorRoot};
 pub use shape::ShapeInvariant;
 pub use slopes::SlopeLobe;

@@ -4,15 +4,26 @@ use std::io::{Seek, Write};
 
 use crate::codec::{Channel, Depth, write_exr};
 use crate::fold::Chain;
-use crate::material::{Encoding, LOBE_CHANNELS, LevelView, Material, Role, Texels};
+use crate::material::{Encoding, FurtherMap, FurtherView, LevelView, Material, Role, Texels, lobe_channels};
 use crate::ndf::{Axes, Form, RoughnessTensor};
 
 /// Level `k` of a material, to be packed.
 pub fn view<'a>(material: &'a Material, chain: &'a Chain, k: usize) -> LevelView<'a> {
+    view_of(material, chain, k, 0)
+}
+
+/// The same for lobe `j`.
+fn view_of<'a>(material: &'a Material, chain: &'a Chain, k: usize, j: usize) -> LevelView<'a> {
     let folded = k.checked_sub(1).map(|i| (&chain.levels[i].lobes, &chain.levels[i].extras));
     // The coarsest level speaks for the whole texture.
-    let axis = chain.levels.last().map_or(0.0, |top| top.lobes.at(0, 0).axes().angle);
+    let axis = chain.levels.last().map_or(0.0, |top| top.lobes.slot(j, 0, 0).0.axes().angle);
     LevelView { material, folded, main_axis: material.sided(axis) }
+}
+
+/// Level `k` of a map of a further lobe, to be packed.
+pub fn further<'a>(material: &'a Material, chain: &'a Chain, k: usize, map: FurtherMap) -> FurtherView<'a> {
+    let form = chain.levels.first().map_or(Form::Isotropic, |level| level.lobes.form());
+    FurtherView { level: view_of(material, chain, k, map.lobe()), map, form }
 }
 
 /// What is larger would become infinite.
@@ -37,14 +48,42 @@ pub fn write_map(
     })
 }
 
-/// The lobes of all levels in full, 32 bit.
+/// All levels of a map of a further lobe; normals signed.
+pub fn write_further(
+    out: impl Write + Seek,
+    material: &Material,
+    chain: &Chain,
+    map: FurtherMap,
+    depth: Depth,
+) -> std::io::Result<()> {
+    let channels: Vec<_> = map.channels().map(|name| Channel { name: name.into(), depth }).collect();
+    let views: Vec<_> = (0..=chain.levels.len()).map(|k| further(material, chain, k, map)).collect();
+    write_exr(out, &channels, material.size, &|level, channel, y, x, row| {
+        views[level].row(channel, Encoding::Signed, y, x, row);
+    })
+}
+
+/// The lobes of all levels in full, 32 bit. Level 0 has one lobe: the others are that again, of weight 0.
 pub fn write_lobes(out: impl Write + Seek, material: &Material, chain: &Chain) -> std::io::Result<()> {
-    let channels = LOBE_CHANNELS.map(|name| Channel { name: name.into(), depth: Depth::Float });
-    write_exr(out, &channels, material.size, &|level, channel, y, x, row| match level.checked_sub(1) {
-        None => base_lobe_row(material, channel, y, x, row),
-        Some(i) => {
-            let lobes = &chain.levels[i].lobes;
-            let part = |plane: usize| &lobes.row(plane, y)[x..x + row.len()];
+    let count = lobe_count(chain);
+    let names = lobe_channels(count);
+    let each = names.len() / count;
+    let channels: Vec<_> = names.into_iter().map(|name| Channel { name, depth: Depth::Float }).collect();
+    write_exr(out, &channels, material.size, &|level, channel, y, x, row| {
+        let (j, channel) = (channel / each, channel % each);
+        let lobes = level.checked_sub(1).map(|i| &chain.levels[i].lobes);
+        let there = lobes.filter(|lobes| j < lobes.count());
+        if channel == WEIGHT {
+            match there {
+                Some(lobes) if lobes.count() > 1 => {
+                    let plane = j * lobes.stride() + lobes.form().planes();
+                    row.copy_from_slice(&lobes.row(plane, y)[x..x + row.len()]);
+                }
+                _ => row.fill(if j == 0 { 1.0 } else { 0.0 }),
+            }
+        } else if let Some(lobes) = lobes {
+            let first = if there.is_some() { j * lobes.stride() } else { 0 };
+            let part = |plane: usize| &lobes.row(first + plane, y)[x..x + row.len()];
             if channel < 3 {
                 row.copy_from_slice(part(channel));
             } else if lobes.form() == Form::Isotropic {
@@ -56,8 +95,18 @@ pub fn write_lobes(out: impl Write + Seek, material: &Material, chain: &Chain) -
                     *out = read_out(RoughnessTensor { xx: xx[i], xy: xy[i], yy: yy[i] }, channel);
                 }
             }
+        } else {
+            base_lobe_row(material, channel, y, x, row);
         }
     })
+}
+
+/// Behind the six channels of a lobe.
+const WEIGHT: usize = 6;
+
+/// Lobes a texel of a chain's lobes file.
+pub fn lobe_count(chain: &Chain) -> usize {
+    chain.levels.iter().map(|level| level.lobes.count()).max().unwrap_or(1)
 }
 
 fn read_out(tensor: RoughnessTensor, channel: usize) -> f32 {

@@ -2,14 +2,14 @@
 
 use serde::Serialize;
 
-use super::exr::{MOMENT_CHANNELS, role_name};
+use super::exr::{MOMENT_CHANNELS, lobe_count, role_name};
 use super::extra;
 use super::plan::{Content, Format, Output, Plan, Request};
 use crate::codec::Depth;
 use crate::fold::{Chain, Options};
 use crate::image::{Size, Wrap};
 use crate::material::{
-    Encoding, Extra, GENERATOR, LOBE_CHANNELS, MapFile, Material, NormalY, NormalZ, Origin, Role, SCHEMA,
+    Encoding, Extra, FurtherMap, GENERATOR, MapFile, Material, NormalY, NormalZ, Origin, Role, SCHEMA, lobe_channels,
 };
 use crate::ndf::Form;
 
@@ -24,6 +24,10 @@ pub struct Manifest {
     fold: &'static str,
     cite: &'static str,
     lobes: Form,
+    /// Lobes a texel from level 1 on.
+    count: usize,
+    /// Whether these differ in width alone.
+    shared_normal: bool,
     strength: f32,
     min_alpha: f32,
     max_alpha: f32,
@@ -52,7 +56,7 @@ pub struct Input {
 #[derive(Debug, Serialize)]
 struct ChannelRole {
     name: String,
-    role: &'static str,
+    role: String,
 }
 
 /// An output map: one file a level, or one file.
@@ -70,7 +74,7 @@ pub struct OutputMap {
     level_0: &'static str,
     /// How to read the channels r, g, b, in the order of `channels`, where their roles do not say it.
     #[serde(skip_serializing_if = "Option::is_none")]
-    decode: Option<&'static str>,
+    decode: Option<String>,
 }
 
 impl Manifest {
@@ -89,6 +93,8 @@ impl Manifest {
             fold: options.fold.name,
             cite: options.fold.cite,
             lobes: options.form,
+            count: options.lobes,
+            shared_normal: options.shared_normal,
             strength: options.strength,
             min_alpha: options.min_alpha.0,
             max_alpha: options.max_alpha.0,
@@ -108,11 +114,11 @@ impl Manifest {
 fn channels(material: &Material, map: usize) -> Vec<ChannelRole> {
     let file = &material.maps[map];
     let named = file.raster.channels.iter().zip(&file.roles);
-    named.map(|(name, role)| ChannelRole { name: name.clone(), role: role_name(*role) }).collect()
+    named.map(|(name, role)| ChannelRole { name: name.clone(), role: role_name(*role).into() }).collect()
 }
 
 fn height_channel() -> ChannelRole {
-    ChannelRole { name: "first".into(), role: "height" }
+    ChannelRole { name: "first".into(), role: "height".into() }
 }
 
 fn inputs(material: &Material) -> Vec<Input> {
@@ -133,7 +139,6 @@ fn inputs(material: &Material) -> Vec<Input> {
 
 fn maps(material: &Material, chain: &Chain, plan: &Plan, request: &Request) -> Vec<OutputMap> {
     let levels: Vec<Size> = (0..=chain.levels.len()).map(|k| chain.size.level(k)).collect();
-    let named = |names: &[&'static str]| names.iter().map(|n| ChannelRole { name: n.to_string(), role: n }).collect();
     let mut out: Vec<OutputMap> = Vec::new();
     for (map, file) in material.maps.iter().enumerate() {
         let png = if file.bits == 8 { "unorm8" } else { "unorm16" };
@@ -159,10 +164,11 @@ fn maps(material: &Material, chain: &Chain, plan: &Plan, request: &Request) -> V
             }
         }
     }
+    out.extend(further_maps(material, plan, request, &levels));
     for output in &plan.outputs {
         let (role, names) = match output.content {
-            Content::Lobes => ("lobes", LOBE_CHANNELS),
-            Content::Moments => ("slope-moments", MOMENT_CHANNELS),
+            Content::Lobes => ("lobes", lobe_channels(lobe_count(chain))),
+            Content::Moments => ("slope-moments", MOMENT_CHANNELS.map(String::from).to_vec()),
             _ => continue,
         };
         out.push(OutputMap {
@@ -170,7 +176,7 @@ fn maps(material: &Material, chain: &Chain, plan: &Plan, request: &Request) -> V
             container: Format::Exr,
             files: vec![output.name.clone()],
             encoding: "float32",
-            channels: named(&names),
+            channels: names.into_iter().map(|name| ChannelRole { role: name.clone(), name }).collect(),
             levels: levels.clone(),
             level_0: "folded inputs",
             decode: None,
@@ -202,7 +208,7 @@ fn extras(material: &Material, levels: &[Size], plan: &Plan, request: &Request) 
             };
             let named = |(i, (name, role)): (usize, &(&'static str, &'static str))| ChannelRole {
                 name: names.get(i).unwrap_or(name).to_string(),
-                role,
+                role: (*role).to_owned(),
             };
             if !files.is_empty() {
                 out.push(OutputMap {
@@ -213,12 +219,73 @@ fn extras(material: &Material, levels: &[Size], plan: &Plan, request: &Request) 
                     channels: channels.iter().enumerate().map(named).collect(),
                     levels: levels.to_vec(),
                     level_0: "the inputs' own lobes",
-                    decode: Some(wanted.decode(form)),
+                    decode: Some(wanted.decode(form).to_owned()),
                 });
             }
         }
     }
     out
+}
+
+/// The maps of the lobes after the first.
+fn further_maps(material: &Material, plan: &Plan, request: &Request, levels: &[Size]) -> Vec<OutputMap> {
+    let mut out: Vec<(FurtherMap, OutputMap)> = Vec::new();
+    for output in &plan.outputs {
+        let (map, container) = match output.content {
+            Content::FurtherLevel { map, .. } => (map, Format::Png),
+            Content::FurtherLevels { map } => (map, Format::Exr),
+            _ => continue,
+        };
+        // The plan goes level by level.
+        if let Some((_, known)) = out.iter_mut().find(|(other, known)| *other == map && known.container == container) {
+            known.files.push(output.name.clone());
+            continue;
+        }
+        let encoding = match (container, map.depth(material), request.depth) {
+            (Format::Png, 8, _) => "unorm8",
+            (Format::Png, ..) => "unorm16",
+            (Format::Exr, _, Depth::Half) => "float16",
+            (Format::Exr, ..) => "float32",
+        };
+        let channels = map.channels().zip(map.roles(role_name));
+        let described = OutputMap {
+            role: match map {
+                FurtherMap::Lobe(_) => "lobe",
+                FurtherMap::Haze(_) => "haze",
+                FurtherMap::Anisotropy(_) => "lobe-anisotropy",
+            },
+            container,
+            files: vec![output.name.clone()],
+            encoding,
+            channels: channels.map(|(name, role)| ChannelRole { name: name.into(), role }).collect(),
+            levels: levels.to_vec(),
+            level_0: "the first lobe, of weight 0",
+            decode: Some(decode(map, container)),
+        };
+        out.push((map, described));
+    }
+    out.into_iter().map(|(_, map)| map).collect()
+}
+
+/// How a shader reads a map of a further lobe. The lobe of the ordinary maps has the weight that the others leave.
+fn decode(map: FurtherMap, container: Format) -> String {
+    let signed = if container == Format::Png { "2 * rg - 1" } else { "rg" };
+    match map {
+        FurtherMap::Lobe(_) => format!(
+            "n.xy = {signed}, in the convention normal_y; n.z = sqrt(max(0, 1 - n.x^2 - n.y^2)); weight = b; alpha = a^2; \
+             weight of the first lobe = 1 - the sum of the others'"
+        ),
+        FurtherMap::Haze(_) => {
+            "n = that of the first lobe; alpha = r^2; weight = g; weight of the first lobe = 1 - the sum \
+                                of the others'"
+                .into()
+        }
+        FurtherMap::Anisotropy(_) => {
+            "direction = 2 * rg - 1; alpha across = that of the lobe's own map; alpha along = \
+                                      mix(alpha across, 1, b^2), as KHR_materials_anisotropy"
+                .into()
+        }
+    }
 }
 
 /// Where level 0 of a map comes from.

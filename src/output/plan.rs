@@ -7,7 +7,8 @@ use serde::{Deserialize, Serialize};
 use super::{MANIFEST, may_write};
 use crate::codec::Depth;
 use crate::error::{Error, Result};
-use crate::material::{Earlier, Extra, MapFile, Material, Origin, same_path};
+use crate::fold::Options;
+use crate::material::{Earlier, Extra, FurtherMap, MapFile, Material, Origin, same_path};
 
 /// A container.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
@@ -60,7 +61,19 @@ pub enum Content {
         /// Index of the map.
         map: usize,
     },
-    /// Normal, widths and angle of every texel.
+    /// A level of a map of a further lobe.
+    FurtherLevel {
+        /// The map.
+        map: FurtherMap,
+        /// 0 is the input.
+        level: usize,
+    },
+    /// All levels of a map of a further lobe.
+    FurtherLevels {
+        /// The map.
+        map: FurtherMap,
+    },
+    /// Normal, widths and angle of every texel, of every lobe.
     Lobes,
     /// LEAN moments in the order of OpenImageIO's bumpslopes.
     Moments,
@@ -86,18 +99,12 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// Decides the files. `maps` has one entry a map that will be written.
-    pub fn new(material: &Material, request: &Request) -> Self {
+    /// Decides the files of a material that is folded with `options`.
+    pub fn new(material: &Material, options: &Options, request: &Request) -> Self {
         let levels = material.size.level_count();
+        let further = FurtherMap::all(options.form, options.lobes, options.shared_normal);
         let mut outputs = Vec::new();
         let mut push = |name: String, content| outputs.push(Output { name, content });
-        for level in 0..levels {
-            for (map, file) in material.maps.iter().enumerate() {
-                if request.formats.contains(&Format::Png) {
-                    push(png_name(&file.stem, level), Content::Level { map, level });
-                }
-            }
-        }
         // A map may be called like the lobes.
         let prefix = safe_name(&material.name);
         let free = |suffix: &str| {
@@ -106,9 +113,22 @@ impl Plan {
             let taken = |name: &String| material.maps.iter().any(|map| map.stem.eq_ignore_ascii_case(name));
             names.find(|name| !taken(name)).expect("some number is free")
         };
+        for level in 0..levels {
+            for (map, file) in material.maps.iter().enumerate() {
+                if request.formats.contains(&Format::Png) {
+                    push(png_name(&file.stem, level), Content::Level { map, level });
+                }
+            }
+            for map in further.iter().copied().filter(|_| request.formats.contains(&Format::Png)) {
+                push(png_name(&free(&map.suffix()), level), Content::FurtherLevel { map, level });
+            }
+        }
         if request.formats.contains(&Format::Exr) {
             for (map, file) in material.maps.iter().enumerate() {
                 push(format!("{}.exr", file.stem), Content::Levels { map });
+            }
+            for map in further {
+                push(free(&map.suffix()) + ".exr", Content::FurtherLevels { map });
             }
             push(free("lobes") + ".exr", Content::Lobes);
         }

@@ -4,7 +4,7 @@ use std::io::Write;
 
 use rayon::prelude::*;
 
-use super::exr::{view, write_lobes, write_map, write_moments};
+use super::exr::{further, view, write_further, write_lobes, write_map, write_moments};
 use super::extra::{ExtraLevel, write_extra};
 use super::manifest::Manifest;
 use super::plan::{self, Content, Plan, Request};
@@ -38,6 +38,8 @@ pub fn write(
                 None => write_png(out, &view(material, chain, level).raster(map)),
             },
             Content::Levels { map } => write_map(out, material, chain, map, request.depth),
+            Content::FurtherLevel { map, level } => write_png(out, &further(material, chain, level, map).raster()),
+            Content::FurtherLevels { map } => write_further(out, material, chain, map, request.depth),
             Content::Lobes => write_lobes(out, material, chain),
             Content::Moments => write_moments(out, material, chain),
             Content::ExtraLevel { extra, level } => {

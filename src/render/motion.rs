@@ -159,7 +159,7 @@ mod tests {
         let (scene, steps) = at_distance(&scene, &texture, 1.0, 48);
         let at = |frames: f32, place: Vec2| {
             let shift = frames * (Mat2::from_cols(steps[0], steps[1]) * PAN_STEP);
-            texture.base(hit(&scene, place, 48).unwrap().uv - shift).normal
+            texture.base(hit(&scene, place, 48).unwrap().uv - shift).next().unwrap().0.normal
         };
         let place = Vec2::new(0.1, -0.2);
         let moved = place + 2.0 / 48.0 * Vec2::new(7.75, 4.25);

@@ -9,7 +9,7 @@ use super::geometry::{hit, ray};
 use super::shade::Lighting;
 use super::texture::{Filter, Texture};
 use crate::image::{Raster, Samples};
-use crate::ndf::Lobes;
+use crate::ndf::{Lobe, Lobes};
 
 /// Radiance, linear RGB, axes (row, column, channel).
 pub type Image = Array3<f32>;
@@ -54,12 +54,18 @@ pub(super) fn draw(scene: &Scene, texture: &Texture, shift: Vec2, pixels: usize,
             return scene.environment.map_or(scene.background, |sky| sky.radiance(ray(place)));
         };
         let uv = hit.uv - shift;
-        let lobe = match sampling {
-            Sampling::Mips { filter: Filter::Trilinear, .. } => texture.mipped(uv, hit.footprint),
-            Sampling::Mips { filter: Filter::Anisotropic { taps }, .. } => texture.anisotropic(uv, hit.steps, taps),
-            Sampling::Supersampled { .. } => texture.base(uv),
+        // A texel of several lobes shines as its parts do, each by its share of the area.
+        let part = |(lobe, weight): (Lobe, f32)| match weight {
+            0.0 => Vec3::ZERO,
+            _ => weight * lighting.radiance(&lobe, hit.position, hit.normal, hit.frame, hit.view),
         };
-        lighting.radiance(&lobe, hit.position, hit.normal, hit.frame, hit.view)
+        match sampling {
+            Sampling::Mips { filter: Filter::Trilinear, .. } => texture.mipped(uv, hit.footprint).map(part).sum(),
+            Sampling::Mips { filter: Filter::Anisotropic { taps }, .. } => {
+                texture.anisotropic(uv, hit.steps, taps).map(part).sum()
+            }
+            Sampling::Supersampled { .. } => texture.base(uv).map(part).sum(),
+        }
     };
     let (Sampling::Mips { per_side, .. } | Sampling::Supersampled { per_side }) = sampling;
     // Rays count from the picture's top left corner.
@@ -98,6 +104,34 @@ pub fn tonemap(image: &Image, exposure: f32) -> Raster {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::image::Size;
+    use crate::ndf::Form;
+    use crate::roughness::Alpha;
+
+    /// Of one mixture everywhere, a picture is the weighted sum of the pictures of its lobes.
+    #[test]
+    fn a_mixture_is_the_weighted_sum_of_its_lobes() {
+        let lobe = |x: f32, y: f32, alpha| Lobe::isotropic(Vec3::new(x, y, 1.0).normalize(), Alpha(alpha));
+        let parts = [(lobe(0.3, 0.1, 0.2), 0.5), (lobe(-0.4, 0.0, 0.5), 0.2), (lobe(0.0, 0.2, 0.1), 0.3)];
+        let size = Size::new(8, 8);
+        let scene = Scene::outdoor();
+        for filter in [Filter::Trilinear, Filter::Anisotropic { taps: 4 }] {
+            let draw = |level: &dyn Fn(Size) -> Lobes| {
+                let levels: Vec<Lobes> = (0..size.level_count()).map(|k| level(size.level(k))).collect();
+                render(&scene, &levels, 12, Sampling::Mips { per_side: 1, filter })
+            };
+            let found = draw(&|size| Lobes::mixed_from_fn(Form::Isotropic, 3, size, |j, _, _| parts[j]));
+            let mut sum = Image::zeros(found.dim());
+            let mut background = 0.0;
+            for (lobe, weight) in parts {
+                sum.scaled_add(weight, &draw(&|size| Lobes::from_fn(Form::Isotropic, size, |_, _| lobe)));
+                background += weight;
+            }
+            assert!((background - 1.0).abs() < 1e-6);
+            let off = found.iter().zip(&sum).map(|(a, b)| (a - b).abs() / (1e-3 + b.abs())).fold(0.0, f32::max);
+            assert!(off < 1e-4, "{filter:?}: {off}");
+        }
+    }
 
     #[test]
     fn tonemap_worked_by_hand() {

@@ -19,18 +19,22 @@ pub enum Filter {
     },
 }
 
-/// Normal x y z, then R.xx R.xy R.yy.
-type Texel = [f32; 6];
+/// One lobe of a texel: normal x y z, then R.xx R.xy R.yy, then the weight.
+type Texel = [f32; 7];
 
-/// One level, texels side by side in memory.
+/// One level, the lobes of a texel and then texels side by side in memory.
 struct Level {
     size: Size,
+    count: usize,
     texels: Vec<Texel>,
 }
 
-/// A mip chain ready to be looked up.
+/// A mip chain ready to be looked up. Lobe `j` of a texel is mixed with lobe `j` of the others, as if each had textures of
+/// its own.
 pub(super) struct Texture {
     levels: Vec<Level>,
+    /// Lobes a texel, the same in all levels.
+    count: usize,
 }
 
 fn lerp(a: Texel, b: Texel, t: f32) -> Texel {
@@ -38,17 +42,18 @@ fn lerp(a: Texel, b: Texel, t: f32) -> Texel {
 }
 
 impl Level {
-    fn new(lobes: &Lobes) -> Self {
+    fn new(lobes: &Lobes, count: usize) -> Self {
         let size = lobes.size();
         let texel = |i: usize| {
-            let Lobe { normal: n, roughness: r } = lobes.at(i % size.width, i / size.width);
-            [n.x, n.y, n.z, r.xx, r.xy, r.yy]
+            let (place, j) = (i / count, i % count);
+            let (Lobe { normal: n, roughness: r }, weight) = lobes.slot(j, place % size.width, place / size.width);
+            [n.x, n.y, n.z, r.xx, r.xy, r.yy, weight]
         };
-        Self { size, texels: (0..size.texels()).map(texel).collect() }
+        Self { size, count, texels: (0..count * size.texels()).map(texel).collect() }
     }
 
-    /// The four nearest texels, by distance.
-    fn bilinear(&self, uv: Vec2) -> Texel {
+    /// Lobe `j` of the four nearest texels, by distance.
+    fn bilinear(&self, uv: Vec2, j: usize) -> Texel {
         let Size { width, height } = self.size;
         // v points up, rows down.
         let place = Vec2::new(uv.x, 1.0 - uv.y) * Vec2::new(width as f32, height as f32) - 0.5;
@@ -58,35 +63,43 @@ impl Level {
             (i, if i + 1 == n { 0 } else { i + 1 })
         };
         let ((x0, x1), (y0, y1)) = (index(corner.x, width), index(corner.y, height));
-        let at = |x: usize, y: usize| self.texels[y * width + x];
+        let at = |x: usize, y: usize| self.texels[(y * width + x) * self.count + j];
         lerp(lerp(at(x0, y0), at(x1, y0), t.x), lerp(at(x0, y1), at(x1, y1), t.x), t.y)
     }
 }
 
-/// Normals and tensors are averaged apart; the normal is made unit again, as every shader does.
-fn lobe([x, y, z, xx, xy, yy]: Texel) -> Lobe {
-    Lobe { normal: Vec3::new(x, y, z).normalize_or(Vec3::Z), roughness: RoughnessTensor { xx, xy, yy } }
+/// Normals, tensors and weights are averaged apart; the normal is made unit again, as every shader does.
+fn lobe([x, y, z, xx, xy, yy, weight]: Texel) -> (Lobe, f32) {
+    (Lobe { normal: Vec3::new(x, y, z).normalize_or(Vec3::Z), roughness: RoughnessTensor { xx, xy, yy } }, weight)
 }
 
 impl Texture {
     /// Level 0 first; at least one level.
     pub fn new(levels: &[Lobes]) -> Self {
         assert!(!levels.is_empty(), "a chain has at least one level");
-        Self { levels: levels.iter().map(Level::new).collect() }
+        let count = levels.iter().map(Lobes::count).max().unwrap_or(1);
+        Self { levels: levels.iter().map(|level| Level::new(level, count)).collect(), count }
     }
 
-    /// Level 0, bilinear.
-    pub fn base(&self, uv: Vec2) -> Lobe {
-        lobe(self.levels[0].bilinear(uv))
+    /// What a probe finds of each lobe. A single one needs no weight.
+    fn lobes(&self, probe: impl Fn(usize) -> Texel) -> impl Iterator<Item = (Lobe, f32)> {
+        let alone = self.count == 1;
+        (0..self.count).map(move |j| lobe(probe(j))).map(move |(lobe, weight)| (lobe, if alone { 1.0 } else { weight }))
+    }
+
+    /// Level 0, bilinear: lobes and their weights.
+    pub fn base(&self, uv: Vec2) -> impl Iterator<Item = (Lobe, f32)> {
+        self.lobes(move |j| self.levels[0].bilinear(uv, j))
     }
 
     /// Trilinear, at the level whose texels have the area of a square `footprint` wide in texture coordinates.
-    pub fn mipped(&self, uv: Vec2, footprint: f32) -> Lobe {
-        lobe(self.trilinear(uv, footprint * (self.levels[0].size.texels() as f32).sqrt()))
+    pub fn mipped(&self, uv: Vec2, footprint: f32) -> impl Iterator<Item = (Lobe, f32)> {
+        let texels = footprint * (self.levels[0].size.texels() as f32).sqrt();
+        self.lobes(move |j| self.trilinear(uv, texels, j))
     }
 
     /// The mean of up to `taps` trilinear probes, for a pixel over which `uv` changes by `steps`, right and up.
-    pub fn anisotropic(&self, uv: Vec2, steps: [Vec2; 2], taps: usize) -> Lobe {
+    pub fn anisotropic(&self, uv: Vec2, steps: [Vec2; 2], taps: usize) -> impl Iterator<Item = (Lobe, f32)> {
         let Size { width, height } = self.levels[0].size;
         let size = Vec2::new(width as f32, height as f32);
         // Axes of the ellipse inscribed in the footprint, in texels: J J^T for the Jacobian J = [a b].
@@ -99,21 +112,23 @@ impl Texture {
         let count = (long / short.max(f32::MIN_POSITIVE)).ceil().clamp(1.0, most);
         let (sin, cos) = (0.5 * (2.0 * xy).atan2(xx - yy)).sin_cos();
         let axis = long * Vec2::new(cos, sin) / size;
-        let mut sum: Texel = [0.0; 6];
-        for k in 0..count as usize {
-            let along = (k as f32 + 0.5) / count - 0.5;
-            let probe = self.trilinear(uv + along * axis, long / count);
-            sum.iter_mut().zip(probe).for_each(|(sum, probe)| *sum += probe / count);
-        }
-        lobe(sum)
+        self.lobes(move |j| {
+            let mut sum = Texel::default();
+            for k in 0..count as usize {
+                let along = (k as f32 + 0.5) / count - 0.5;
+                let probe = self.trilinear(uv + along * axis, long / count, j);
+                sum.iter_mut().zip(probe).for_each(|(sum, probe)| *sum += probe / count);
+            }
+            sum
+        })
     }
 
-    /// At the level whose texels are `texels` of level 0 wide.
-    fn trilinear(&self, uv: Vec2, texels: f32) -> Texel {
+    /// Lobe `j` at the level whose texels are `texels` of level 0 wide.
+    fn trilinear(&self, uv: Vec2, texels: f32, j: usize) -> Texel {
         let level = texels.log2().clamp(0.0, (self.levels.len() - 1) as f32);
         let (fine, t) = (level as usize, level.fract());
-        let near = self.levels[fine].bilinear(uv);
-        if t == 0.0 { near } else { lerp(near, self.levels[fine + 1].bilinear(uv), t) }
+        let near = self.levels[fine].bilinear(uv, j);
+        if t == 0.0 { near } else { lerp(near, self.levels[fine + 1].bilinear(uv, j), t) }
     }
 
     /// Texels of level 0.
@@ -128,6 +143,11 @@ mod tests {
     use crate::ndf::Form;
     use crate::roughness::Alpha;
 
+    /// xx of the first lobe.
+    fn first(mut lobes: impl Iterator<Item = (Lobe, f32)>) -> f32 {
+        lobes.next().unwrap().0.roughness.xx
+    }
+
     /// Levels of 4x2 and 2x1 and 1x1 texels, told apart by their width.
     fn chain() -> Vec<Lobes> {
         let level = |width, height, base: f32| {
@@ -141,7 +161,7 @@ mod tests {
     #[test]
     fn bilinear_worked_by_hand() {
         let texture = Texture::new(&chain());
-        let at = |u, v| texture.base(Vec2::new(u, v)).roughness.xx;
+        let at = |u, v| first(texture.base(Vec2::new(u, v)));
         // Centres of the texels in column 1 of the top and the bottom row.
         assert!((at(0.375, 0.75) - 0.1).abs() < 1e-6 && (at(0.375, 0.25) - 0.11).abs() < 1e-6);
         // The middle of four texels, and the border, where columns 3 and 0 meet.
@@ -152,7 +172,7 @@ mod tests {
     #[test]
     fn levels_follow_the_footprint() {
         let texture = Texture::new(&chain());
-        let at = |footprint| texture.mipped(Vec2::new(0.25, 0.75), footprint).roughness.xx;
+        let at = |footprint| first(texture.mipped(Vec2::new(0.25, 0.75), footprint));
         let texel = 1.0 / 8f32.sqrt();
         assert!((at(texel) - 0.05).abs() < 1e-6 && (at(0.1 * texel) - 0.05).abs() < 1e-6);
         assert!((at(2.0 * texel) - 1.0).abs() < 1e-5);
@@ -175,7 +195,7 @@ mod tests {
         let texture = Texture::new(&[level(0), level(1), level(2)]);
         // The middle of texels 7 and 8, row 4 from the top.
         let (uv, step) = (Vec2::new(8.0, 11.5) / 16.0, 1.0 / 16.0);
-        let at = |right: Vec2, up: Vec2, taps| texture.anisotropic(uv, [right * step, up * step], taps).roughness.xx;
+        let at = |right: Vec2, up: Vec2, taps| first(texture.anisotropic(uv, [right * step, up * step], taps));
         // Probes in the middles of texels 6, 7, 8 and 9.
         let along_u = (36.0 + 49.0 + 64.0 + 81.0) / 4.0 + 400.0;
         assert!((at(4.0 * Vec2::X, Vec2::Y, 16) - along_u).abs() < 1e-2);
@@ -185,7 +205,7 @@ mod tests {
         assert!((at(Vec2::X, 4.0 * Vec2::Y, 16) - along_v).abs() < 1e-2);
         // A square footprint and a single probe are trilinear: 2 texels wide is level 1, of alpha 9.
         assert!((at(2.0 * Vec2::X, 2.0 * Vec2::Y, 16) - 81.0).abs() < 1e-3);
-        assert_eq!(at(4.0 * Vec2::X, Vec2::Y, 1), texture.mipped(uv, 4.0 * step).roughness.xx);
+        assert_eq!(at(4.0 * Vec2::X, Vec2::Y, 1), first(texture.mipped(uv, 4.0 * step)));
         assert_eq!(at(4.0 * Vec2::X, Vec2::Y, 0), at(4.0 * Vec2::X, Vec2::Y, 1));
         // 4 by 1 with two probes: half as long each, so level 1.
         assert!((at(4.0 * Vec2::X, Vec2::Y, 2) - 81.0).abs() < 1e-3);
@@ -194,7 +214,30 @@ mod tests {
         let aslant = at(4.0 * diagonal, Vec2::new(-1.0, 1.0) * 0.5f32.sqrt(), 16);
         let other = at(4.0 * Vec2::new(-diagonal.x, diagonal.y), diagonal, 16);
         assert!((aslant - 456.5).abs() < 3.0 && (other - 456.5).abs() < 3.0, "{aslant} {other}");
-        assert_eq!(at(1e-3 * Vec2::X, 1e-4 * Vec2::Y, 16), texture.base(uv).roughness.xx);
+        assert_eq!(at(1e-3 * Vec2::X, 1e-4 * Vec2::Y, 16), first(texture.base(uv)));
         assert!(at(Vec2::ZERO, Vec2::ZERO, 16).is_finite());
+    }
+
+    /// Level 0 has one lobe, level 1 two: half-way between them the second has half its weight, and a width between that
+    /// of the first at level 0 and its own.
+    #[test]
+    fn lobes_are_mixed_with_their_like() {
+        let [a, b, c] = [0.1, 0.3, 0.7].map(|a2| Lobe::isotropic(Vec3::Z, Alpha::from_squared(a2)));
+        let base = Lobes::from_fn(Form::Isotropic, Size::new(2, 2), |_, _| a);
+        let top = Lobes::mixed_from_fn(Form::Isotropic, 2, Size::new(1, 1), |j, _, _| [(b, 0.25), (c, 0.75)][j]);
+        let texture = Texture::new(&[base, top]);
+        let uv = Vec2::splat(0.5);
+        let seen = |footprint: f32| texture.mipped(uv, footprint).map(|(l, w)| (l.roughness.xx, w)).collect::<Vec<_>>();
+        let close = |found: &[(f32, f32)], expected: [(f32, f32); 2]| {
+            found.len() == 2
+                && found.iter().zip(expected).all(|(f, e)| (f.0 - e.0).abs() < 1e-6 && (f.1 - e.1).abs() < 1e-6)
+        };
+        assert!(close(&seen(0.5), [(0.1, 1.0), (0.1, 0.0)]), "{:?}", seen(0.5));
+        assert!(close(&seen(0.5 * 2f32.sqrt()), [(0.2, 0.625), (0.4, 0.375)]), "{:?}", seen(0.5 * 2f32.sqrt()));
+        assert!(close(&seen(1.0), [(0.3, 0.25), (0.7, 0.75)]), "{:?}", seen(1.0));
+        let steps = [Vec2::new(1.0, 0.0), Vec2::new(0.0, 0.9)];
+        let probes: Vec<_> = texture.anisotropic(uv, steps, 4).map(|(l, w)| (l.roughness.xx, w)).collect();
+        let sum: f32 = probes.iter().map(|probe| probe.1).sum();
+        assert!(probes.len() == 2 && (sum - 1.0).abs() < 1e-6, "{probes:?}");
     }
 }

@@ -63,6 +63,7 @@ struct Chain<'a> {
     name: &'a str,
     fold: Option<&'a str>,
     lobes: Form,
+    count: usize,
     source: Option<&'a str>,
     container: Option<&'static str>,
     notes: &'a [String],
@@ -134,7 +135,7 @@ fn map(map: &MapFile) -> Map<'_> {
 ///   "limits": [{"metric": "lobe-error", "first": null, "last": null, "most": 0.15}],
 ///   "plain": "plain mips",
 ///   "chains": [{
-///     "name": "mine", "fold": "projected", "lobes": "isotropic",
+///     "name": "mine", "fold": "projected", "lobes": "isotropic", "count": 1,
 ///     "source": "out", "container": "png", "notes": [], "warnings": [],
 ///     "levels": [{"level": 1, "width": 256, "height": 256, "samples": 64,
 ///                 "lobe_error": {"mean": 0.1, "median": 0.1, "p95": 0.2, "stderr": 0.01}}],
@@ -148,6 +149,7 @@ fn map(map: &MapFile) -> Map<'_> {
 /// }
 /// ```
 ///
+/// - `count` of a chain is the number of lobes of a texel, the most of any level.
 /// - `levels` of a chain hold every field of [`LevelScore`]; `motion` those of [`MotionScore`].
 /// - `source`, `container`, `notes` and `warnings` of a chain are [`ChainAbout`](super::ChainAbout)'s.
 /// - `path` or `generated` is `null`. `size` of a map is that of the file, before any resampling.
@@ -174,6 +176,7 @@ pub fn json(subject: &Subject) -> String {
             name: &chain.name,
             fold: chain.fold.as_deref(),
             lobes: chain.lobes,
+            count: chain.count,
             source: about.map(|about| about.source.as_str()),
             container: about.and_then(|about| about.container),
             notes: about.map_or(&[], |about| &about.notes),
@@ -233,13 +236,13 @@ pub const CSV_MARK: &str = "material,chain,fold,lobes,level,width,height,samples
 
 /// One line for each level of each chain under one line of names, as RFC 4180 has it: lines end with CR LF. Every
 /// summary takes four columns (`_mean`, `_median`, `_p95`, `_stderr`); `within_limits` tells whether the level keeps
-/// all limits. New columns are added at the end.
+/// all limits, and `count` the lobes of a texel. New columns are added at the end.
 pub fn csv(subject: &Subject) -> String {
     let mut out = String::from(CSV_MARK);
     for (name, _) in SUMMARIES {
         write!(out, ",{name}_mean,{name}_median,{name}_p95,{name}_stderr").expect("strings grow");
     }
-    out.push_str(",energy_mean,energy_stderr,energy_compensated,within_limits\r\n");
+    out.push_str(",energy_mean,energy_stderr,energy_compensated,within_limits,count\r\n");
     for chain in &subject.judgement.chains {
         let form = if chain.lobes == Form::Isotropic { "isotropic" } else { "anisotropic" };
         let breaches = chain.breaches(subject.limits);
@@ -253,6 +256,7 @@ pub fn csv(subject: &Subject) -> String {
             }
             fields.extend([level.energy.mean, level.energy.stderr, level.energy.compensated].map(|v| v.to_string()));
             fields.push((!breaches.iter().any(|b| b.level == level.level)).to_string());
+            fields.push(chain.count.to_string());
             out.push_str(&fields.join(","));
             out.push_str("\r\n");
         }

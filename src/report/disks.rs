@@ -88,18 +88,20 @@ impl Desk<'_> {
         if place.x >= size.width || place.y >= size.height {
             return None;
         }
-        let lobe = self.lobes.at(place.x, place.y);
+        let lobes: Vec<(Lobe, f32)> = self.lobes.mixture(place.x, place.y).collect();
         let Subject { material, settings, .. } = self.subject;
         let most = settings.reading.most_texels.unwrap_or(usize::MAX).min(MOST_TEXELS);
         let reading = Reading { most_texels: Some(most), ..settings.reading };
-        let (centre, half) = window(self.base, self.lobes, place, lobe);
+        let (centre, half) = window(self.base, self.lobes, place, &lobes);
         // Of a lobe narrower than a cell, cell centres would see a part or nothing.
         let least = (2.0 * half / self.cells as f64) as f32;
         let widened = Widened { texels: *material, least };
         let truth = Footprint::of_texel(&widened, reading, settings.seed, self.level, (place.x, place.y));
         let truth = truth.disk(centre, half, self.cells);
-        let seen = Lobe { roughness: lobe.roughness.clamped(least * least, 1.0), ..lobe };
-        let found = Footprint::of_lobes(&[(seen, 1.0)]).disk(centre, half, self.cells);
+        let seen = |&(lobe, weight): &(Lobe, f32)| {
+            (Lobe { roughness: lobe.roughness.clamped(least * least, 1.0), ..lobe }, f64::from(weight))
+        };
+        let found = Footprint::of_lobes(&lobes.iter().map(seen).collect::<Vec<_>>()).disk(centre, half, self.cells);
         let peak = truth.iter().chain(&found).copied().filter(|d| d.is_finite()).fold(0.0, f64::max);
         if peak <= 0.0 {
             return None;
@@ -108,9 +110,6 @@ impl Desk<'_> {
             let shade = |d: f64| (1.0 + (d / peak).max(1e-30).log10() / DECADES) as f32;
             png(&heat(&density.mapv(shade), 1.0))
         };
-        let axes = lobe.axes();
-        let (wide, narrow) = (short(axes.alpha_x.0.into()), short(axes.alpha_y.0.into()));
-        let alpha = if wide == narrow { wide } else { format!("{wide} and {narrow}") };
         let span = |c: f64| format!("{:.2} to {:.2}", c - half, c + half);
         let pictures = paint(&truth).and_then(|truth| Ok((truth, paint(&found)?)));
         Some(pictures.map(|(truth, lobe)| Disk {
@@ -118,10 +117,21 @@ impl Desk<'_> {
             truth,
             lobe,
             place: format!("column {}, row {}", place.x, place.y),
-            figures: format!("lobe error {}, alpha {alpha}", short(error)),
+            figures: format!("lobe error {}, alpha {}", short(error), widths(&lobes)),
             window: format!("x {}, y {}", span(centre.0), span(centre.1)),
         }))
     }
+}
+
+/// Widths of lobes: "0.3", "0.3 and 0.1" of two widths, "0.3 (70 %), 0.1 (30 %)" of two lobes.
+fn widths(lobes: &[(Lobe, f32)]) -> String {
+    let one = |(lobe, weight): &(Lobe, f32)| {
+        let axes = lobe.axes();
+        let (wide, narrow) = (short(axes.alpha_x.0.into()), short(axes.alpha_y.0.into()));
+        let alpha = if wide == narrow { wide } else { format!("{wide} and {narrow}") };
+        if lobes.len() == 1 { alpha } else { format!("{alpha} ({:.0} %)", 100.0 * weight) }
+    };
+    lobes.iter().map(one).collect::<Vec<_>>().join(", ")
 }
 
 /// A surface of which no lobe is narrower than `least` (alpha).
@@ -161,8 +171,8 @@ impl Texels for Widened<'_> {
     }
 }
 
-/// Centre and half width of a square that holds most of the normals under a texel and most of its lobe.
-fn window(base: &Lobes, level: &Lobes, place: Place, lobe: Lobe) -> ((f64, f64), f64) {
+/// Centre and half width of a square that holds most of the normals under a texel and most of its lobes.
+fn window(base: &Lobes, level: &Lobes, place: Place, lobes: &[(Lobe, f32)]) -> ((f64, f64), f64) {
     let (from, to) = (base.size(), level.size());
     let across = &spans(from.width, to.width)[place.x];
     let down = &spans(from.height, to.height)[place.y];
@@ -180,10 +190,13 @@ fn window(base: &Lobes, level: &Lobes, place: Place, lobe: Lobe) -> ((f64, f64),
     let n = around.len() as f64;
     let mean = |f: &dyn Fn(&(f64, f64, f64)) -> f64| around.iter().map(f).sum::<f64>() / n;
     let (cx, cy) = (mean(&|s| s.0), mean(&|s| s.1));
-    // Of the texels, spread and width together; of the lobe, its distance and width.
+    // Of the texels, spread and width together; of each lobe, its distance and width.
     let spread = mean(&|s| (s.0 - cx).powi(2) + (s.1 - cy).powi(2) + s.2 * s.2).sqrt();
-    let (lx, ly, alpha) = spot(lobe);
-    let reach = (WIDTHS * spread).max((lx - cx).hypot(ly - cy) + WIDTHS * alpha);
+    let far = |&(lobe, _): &(Lobe, f32)| {
+        let (lx, ly, alpha) = spot(lobe);
+        (lx - cx).hypot(ly - cy) + WIDTHS * alpha
+    };
+    let reach = lobes.iter().map(far).fold(WIDTHS * spread, f64::max);
     // There is nothing to see beyond the disk.
     let half = reach.clamp(0.02, 1.0);
     let inside = |c: f64| c.clamp(half - 1.0, 1.0 - half);

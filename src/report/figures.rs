@@ -82,7 +82,11 @@ pub(super) fn summary(subject: &Subject) -> Vec<SummaryRow> {
         SummaryRow {
             swatch: styles[i].swatch(),
             name: chain.name.clone(),
-            fold: chain.fold.clone().unwrap_or_else(|| "not known".into()),
+            fold: match (&chain.fold, chain.count) {
+                (Some(fold), _) => fold.clone(),
+                (None, 1) => "not known".into(),
+                (None, count) => format!("not known, {count} lobes"),
+            },
             level: worst.map_or("none".into(), |level| level.level.to_string()),
             error: worst.map_or("not judged".into(), |l| with_error(l.lobe_error.mean, l.lobe_error.stderr)),
             share: if error.is_finite() && most > 0.0 { (1000.0 * error / most).round() / 10.0 } else { 0.0 },

@@ -1,7 +1,7 @@
 //! Perceptual roughness of every level, before and after.
 
 use super::svg::{Svg, cut, number};
-use crate::ndf::Lobes;
+use crate::ndf::{Lobe, Lobes};
 use crate::roughness::Alpha;
 
 const BINS: usize = 50;
@@ -9,7 +9,7 @@ const BINS: usize = 50;
 /// Texels counted in a level, about; a regular choice where there are more.
 const MOST_TEXELS: usize = 1 << 16;
 
-/// Perceptual roughness of a level.
+/// Perceptual roughness of a level, of several lobes each by its weight.
 #[derive(Clone)]
 pub(super) struct Spread {
     /// Share of the texels in each 50th of 0 to 1.
@@ -24,20 +24,29 @@ impl Spread {
         let size = lobes.size();
         // An odd step does not keep to the columns of an even texture.
         let step = (size.texels() / MOST_TEXELS).max(1) | 1;
-        let roughness = |i: usize| {
-            let lobe = lobes.at(i % size.width, i / size.width);
-            f64::from(Alpha::from_squared(lobe.roughness.mean()).perceptual().0)
+        let roughness = |(lobe, weight): (Lobe, f32)| {
+            (f64::from(Alpha::from_squared(lobe.roughness.mean()).perceptual().0), f64::from(weight))
         };
-        let mut values: Vec<f64> = (0..size.texels()).step_by(step).map(roughness).filter(|r| r.is_finite()).collect();
+        let texels = (0..size.texels()).step_by(step);
+        let all = texels.flat_map(|i| lobes.mixture(i % size.width, i / size.width)).map(roughness);
+        let mut values: Vec<(f64, f64)> = all.filter(|(r, _)| r.is_finite()).collect();
         if values.is_empty() {
-            values.push(1.0);
+            values.push((1.0, 1.0));
         }
-        values.sort_by(f64::total_cmp);
-        let share = 1.0 / values.len() as f64;
+        values.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let total: f64 = values.iter().map(|(_, weight)| weight).sum();
         let mut bins = [0.0; BINS];
-        values.iter().for_each(|r| bins[((r * BINS as f64) as usize).min(BINS - 1)] += share);
-        let at = |q: f64| values[((values.len() - 1) as f64 * q).round() as usize];
-        Self { bins, mean: values.iter().sum::<f64>() * share, p5: at(0.05), p95: at(0.95) }
+        values.iter().for_each(|(r, weight)| bins[((r * BINS as f64) as usize).min(BINS - 1)] += weight / total);
+        let at = |q: f64| {
+            let mut left = q * total;
+            let place = values.iter().position(|(_, weight)| {
+                left -= weight;
+                left < 0.0
+            });
+            values[place.unwrap_or(values.len() - 1)].0
+        };
+        let mean = values.iter().map(|(r, weight)| r * weight).sum::<f64>() / total;
+        Self { bins, mean, p5: at(0.05), p95: at(0.95) }
     }
 }
 
@@ -114,7 +123,7 @@ pub(super) fn panels(names: &[&str], spreads: &[Vec<Spread>], plain: Option<usiz
 mod tests {
     use super::*;
     use crate::image::Size;
-    use crate::ndf::{Form, Lobe};
+    use crate::ndf::Form;
     use crate::roughness::PerceptualRoughness;
     use glam::Vec3;
 
@@ -128,5 +137,13 @@ mod tests {
         assert!((spread.mean - 0.793).abs() < 1e-5);
         assert!((spread.p5 - 0.31).abs() < 1e-6 && spread.p95 == 1.0);
         assert!((spread.bins.iter().sum::<f64>() - 1.0).abs() < 1e-9);
+        // The same shares as lobes of every texel.
+        let part = |r: f32| Lobe::isotropic(Vec3::Z, PerceptualRoughness(r).alpha());
+        let mixed = Lobes::mixed_from_fn(Form::Isotropic, 2, Size::new(3, 3), |j, _, _| {
+            [(part(1.0), 0.7), (part(0.31), 0.3)][j]
+        });
+        let mixed = Spread::of(&mixed);
+        assert!(mixed.bins.iter().zip(spread.bins).all(|(a, b)| (a - b).abs() < 1e-6));
+        assert!((mixed.mean - spread.mean).abs() < 1e-6 && mixed.p5 == spread.p5 && mixed.p95 == spread.p95);
     }
 }

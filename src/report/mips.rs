@@ -47,7 +47,7 @@ fn shares(from: usize, to: usize) -> Vec<Vec<(usize, f32)>> {
     (0..to).map(pixel).collect()
 }
 
-/// Normals as colours, or perceptual roughness as gray.
+/// Normals as colours, or perceptual roughness as gray; of several lobes the mean by weight.
 fn picture(lobes: &Lobes, to: Size, normals: bool) -> Raster {
     let from = lobes.size();
     let (across, down) = (shares(from.width, to.width), shares(from.height, to.height));
@@ -58,13 +58,14 @@ fn picture(lobes: &Lobes, to: Size, normals: bool) -> Raster {
             let mut sum = [0.0; 3];
             for &(j, down) in rows {
                 for &(i, across) in columns {
-                    let lobe = lobes.at(i, j);
-                    let values = if normals {
-                        (0.5 * lobe.normal + 0.5).to_array()
-                    } else {
-                        [Alpha::from_squared(lobe.roughness.mean()).perceptual().0, 0.0, 0.0]
-                    };
-                    (0..3).for_each(|c| sum[c] += down * across * values[c]);
+                    for (lobe, weight) in lobes.mixture(i, j) {
+                        let values = if normals {
+                            (0.5 * lobe.normal + 0.5).to_array()
+                        } else {
+                            [Alpha::from_squared(lobe.roughness.mean()).perceptual().0, 0.0, 0.0]
+                        };
+                        (0..3).for_each(|c| sum[c] += down * across * weight * values[c]);
+                    }
                 }
             }
             (0..channels).for_each(|c| out[(y, x, c)] = (255.0 * sum[c].clamp(0.0, 1.0)).round() as u8);

@@ -1,5 +1,6 @@
 //! The judge against brute force, against itself, and on what it must not depend on.
 
+mod mixtures;
 mod sampling;
 
 use std::f64::consts::TAU;

@@ -4,15 +4,17 @@ use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 
+use super::further::{FurtherLobe, mixed};
 use super::{Files, LevelChain, MapLevels, Maps, read, read_lobes};
 use crate::codec;
 use crate::error::{Error, Result};
 use crate::image::{Size, Wrap};
+use crate::material::further::further_role;
 use crate::material::{
     ChannelRef, Extra, GENERATOR, Inputs, MANIFEST, Material, NormalRange, NormalY, NormalZ, RoughnessInput, SCHEMA,
     load_with,
 };
-use crate::ndf::Form;
+use crate::ndf::{Form, MOST_LOBES, lobes_in_words};
 use crate::roughness::PerceptualRoughness;
 
 /// A form in which a build writes a chain.
@@ -81,6 +83,11 @@ struct Manifest {
     size: Size,
     fold: String,
     lobes: Form,
+    // Earlier versions knew no mixtures.
+    #[serde(default = "one")]
+    count: usize,
+    #[serde(default)]
+    shared_normal: bool,
     strength: f32,
     normal_y: NormalY,
     // Manifests of earlier versions do not say.
@@ -90,6 +97,10 @@ struct Manifest {
     wrap: Wrap,
     constant_roughness: Option<f32>,
     maps: Vec<Map>,
+}
+
+fn one() -> usize {
+    1
 }
 
 /// Reads the chain of a folder that a build wrote: its PNGs if there are any, else its mip-mapped OpenEXR maps, else its
@@ -120,7 +131,15 @@ pub fn read_folder(folder: &Path, container: Option<Container>) -> Result<LevelC
             }
             chain
         }
-        maps => read(&built.inputs(maps)?, &built.maps(maps)?)?,
+        container => {
+            let (inputs, maps) = (built.inputs(container)?, built.maps(container)?);
+            let mut chain = read(&inputs, &maps)?;
+            let further = built.further(container, &inputs)?;
+            if !further.is_empty() {
+                chain.levels = mixed(chain.levels, &further, &maps)?;
+            }
+            chain
+        }
     };
     let found = chain.levels[0].size();
     let size = built.manifest.size;
@@ -258,6 +277,35 @@ impl Built<'_> {
         Ok(inputs)
     }
 
+    /// The lobes after the first, whose maps are read as `first` ones are.
+    fn further(&self, container: Container, first: &Inputs) -> Result<Vec<FurtherLobe>> {
+        let count = self.manifest.count;
+        if !(1..=MOST_LOBES).contains(&count) {
+            return Err(Error::invalid(&self.path, format!("{count} lobes"), format!("1 to {MOST_LOBES}")));
+        }
+        let find = |role: String| -> Result<ChannelRef> {
+            let map = self.maps_in(container).find(|map| map.channel(&role).is_some()).ok_or_else(|| {
+                let found = format!("no channel {role} in its {} maps", container.name());
+                Error::invalid(&self.path, found, format!("the maps of {count} lobes"))
+            })?;
+            Ok(ChannelRef { path: self.files(map)?.swap_remove(0), channel: map.channel(&role) })
+        };
+        let lobe = |j: usize| -> Result<FurtherLobe> {
+            let role = |name: &str| find(further_role(j, name));
+            let mut inputs =
+                Inputs { roughness: RoughnessInput::Roughness(role("perceptual-roughness")?), ..first.clone() };
+            if !self.manifest.shared_normal {
+                inputs.normal = Some(role("normal.x")?.path);
+                inputs.normal_z = NormalZ::Rebuild;
+            }
+            if self.manifest.lobes == Form::Anisotropic {
+                inputs.anisotropy = Some(role("anisotropy.direction.x")?.path);
+            }
+            Ok(FurtherLobe { inputs, weight: role("weight")? })
+        };
+        (1..count).map(lobe).collect()
+    }
+
     /// Level 0 alone.
     fn level_0(&self, container: Container) -> Result<Material> {
         let maps = self.maps(container)?;
@@ -278,9 +326,8 @@ impl Built<'_> {
 
     /// The fold in words.
     fn fold(&self) -> String {
-        let Manifest { fold, lobes, strength, .. } = &self.manifest;
-        let widths = if *lobes == Form::Anisotropic { ", two widths" } else { "" };
+        let Manifest { fold, lobes, count, shared_normal, strength, .. } = &self.manifest;
         let strength = if *strength == 1.0 { String::new() } else { format!(", strength {strength}") };
-        format!("{fold}{widths}{strength}")
+        format!("{fold}{}{strength}", lobes_in_words(*lobes, *count, *shared_normal))
     }
 }

@@ -1,4 +1,4 @@
-//! A chain from a lobes file: six channels, all levels, nothing rounded to 8 bits.
+//! A chain from a lobes file: six channels a lobe, all levels, nothing rounded to 8 bits.
 
 use std::path::Path;
 
@@ -11,42 +11,75 @@ use crate::error::{Error, Result};
 use crate::image::{Raster, Samples, Size};
 use crate::material::source::SHORTEST_NORMAL;
 use crate::material::{ChannelRef, Inputs, Material, NormalRange, NormalZ, Origin, RoughnessInput, load_with};
-use crate::ndf::{Axes, Form, Gltf, Lobe, Lobes, RoughnessTensor};
+use crate::ndf::{Axes, Form, Gltf, Lobe, Lobes, MOST_LOBES, RoughnessTensor, are_shares};
 use crate::roughness::Alpha;
 
 /// The channels of a lobes file: unit normal (OpenGL, +Y up), widths, and the angle in radians from the lobe's
 /// tangent (the +u axis made orthogonal to the normal) to the axis of the larger width.
 pub const LOBE_CHANNELS: [&str; 6] = ["n.x", "n.y", "n.z", "alpha.x", "alpha.y", "angle"];
 
-/// Reads the chain of a `NAME_lobes.exr` that a build wrote, or of any OpenEXR file with its channels `n.x n.y n.z
-/// alpha.x alpha.y angle`. It has one width if `alpha.x` equals `alpha.y` everywhere.
+/// The channels of a file of so many lobes a texel: [`LOBE_CHANNELS`] alone of one; of several a `weight` after them, and
+/// then the same again for each further lobe with its number, counted from 2: `n2.x n2.y n2.z alpha2.x alpha2.y angle2
+/// weight2`.
+pub fn lobe_channels(count: usize) -> Vec<String> {
+    let names = LOBE_CHANNELS.into_iter().chain((count > 1).then_some("weight"));
+    let numbered = |j: usize, name: &str| match (j, name.split_once('.')) {
+        (0, _) => name.to_owned(),
+        (_, Some((head, tail))) => format!("{head}{}.{tail}", j + 1),
+        (_, None) => format!("{name}{}", j + 1),
+    };
+    (0..count).flat_map(|j| names.clone().map(move |name| numbered(j, name))).collect()
+}
+
+/// Places of a lobe's six channels, and of its weight.
+#[derive(Clone, Copy)]
+struct Places {
+    lobe: [usize; 6],
+    weight: Option<usize>,
+}
+
+/// Where the channels of all lobes are. There are as many lobes as there are normals.
+fn places(path: &Path, picture: &Decoded) -> Result<Vec<Places>> {
+    let names = &picture.raster.channels;
+    let has = |name: &String| names.contains(name);
+    let count =
+        (2..=MOST_LOBES).rev().find(|count| lobe_channels(*count)[7 * (count - 1)..].iter().any(has)).unwrap_or(1);
+    let place = |name: String| {
+        names.iter().position(|other| *other == name).ok_or_else(|| {
+            let found = format!("{} with channels {}", picture.format, names.join(" "));
+            Error::invalid(path, found, format!("a lobes file, with a channel {name}"))
+        })
+    };
+    let channels = lobe_channels(count).into_iter().map(place).collect::<Result<Vec<_>>>()?;
+    let lobes = channels.chunks(channels.len() / count);
+    Ok(lobes.map(|c| Places { lobe: std::array::from_fn(|i| c[i]), weight: c.get(6).copied() }).collect())
+}
+
+/// Reads the chain of a `NAME_lobes.exr` that a build wrote, or of any OpenEXR file with the channels of
+/// [`lobe_channels`]. It has one width if `alpha.x` equals `alpha.y` everywhere. Level 0 has one lobe, the first.
 ///
 /// # Errors
-/// Another file, a channel that is missing, levels of the wrong size, and texels that are no lobe: a number that is not
-/// finite, a normal without direction or one that does not point out of the surface, a width outside 0..1.
+/// Another file, a channel that is missing, levels of the wrong size, and texels that are no lobes: a number that is not
+/// finite, a normal without direction or one that does not point out of the surface, a width outside 0..1; weights that do
+/// not sum to 1; several lobes at level 0.
 pub fn read_lobes(path: &Path) -> Result<LevelChain> {
     let pictures = codec::read_levels(path)?;
     let size = pictures[0].raster.size();
-    let mut channels = [0; 6];
-    for (place, name) in channels.iter_mut().zip(LOBE_CHANNELS) {
-        let names = &pictures[0].raster.channels;
-        *place = names.iter().position(|other| other == name).ok_or_else(|| {
-            let found = format!("{} with channels {}", pictures[0].format, names.join(" "));
-            Error::invalid(path, found, format!("a lobes file, with a channel {name}"))
-        })?;
-    }
+    let places = places(path, &pictures[0])?;
     for (k, picture) in pictures.iter().enumerate() {
         right_size(path, picture.raster.size(), size, k)?;
-        sound(path, &picture.raster, channels, k)?;
+        sound(path, &picture.raster, &places, k)?;
     }
-    let round = |picture: &Decoded| every(&picture.raster, channels, |[.., x, y, _]| x == y);
+    let round = |picture: &Decoded| places.iter().all(|p| every(&picture.raster, p.lobe, |[.., x, y, _]| x == y));
     let form = if pictures.iter().all(round) { Form::Isotropic } else { Form::Anisotropic };
-    let levels = pictures.iter().map(|picture| lobes(&picture.raster, channels, form)).collect::<Vec<_>>();
+    let level =
+        |(k, picture): (usize, &Decoded)| lobes(&picture.raster, if k == 0 { &places[..1] } else { &places }, form);
+    let levels = pictures.iter().enumerate().map(level).collect::<Vec<_>>();
     let level_0 = material(path, &pictures[0], &levels[0])?;
     Ok(LevelChain { levels, level_0, fold: None, container: None })
 }
 
-/// The six values of a texel.
+/// The six values of a lobe.
 fn texel(raster: &Raster, channels: [usize; 6], x: usize, y: usize) -> [f32; 6] {
     channels.map(|channel| raster.at(x, y, channel))
 }
@@ -56,31 +89,43 @@ fn every(raster: &Raster, channels: [usize; 6], f: impl Fn([f32; 6]) -> bool) ->
     (0..height).all(|y| (0..width).all(|x| f(texel(raster, channels, x, y))))
 }
 
-/// Whether every texel is a lobe.
-fn sound(path: &Path, raster: &Raster, channels: [usize; 6], level: usize) -> Result<()> {
+/// Whether every texel is a lobe, or several whose weights are shares.
+fn sound(path: &Path, raster: &Raster, places: &[Places], level: usize) -> Result<()> {
     let Size { width, height } = raster.size();
     for (y, x) in (0..height).flat_map(|y| (0..width).map(move |x| (y, x))) {
-        let values = texel(raster, channels, x, y);
-        let [nx, ny, nz, ax, ay, _] = values;
-        let directed = nz > 0.0 && Vec3::new(nx, ny, nz).length() > SHORTEST_NORMAL;
-        let width = 0.0..=1.0;
-        if values.iter().all(|v| v.is_finite()) && directed && width.contains(&ax) && width.contains(&ay) {
-            continue;
+        let wrong = |found: String, expected: &str| {
+            Err(Error::invalid(path, format!("{found} at column {x}, row {y} of level {level}"), expected))
+        };
+        for place in places {
+            let values = texel(raster, place.lobe, x, y);
+            let [nx, ny, nz, ax, ay, _] = values;
+            let directed = nz > 0.0 && Vec3::new(nx, ny, nz).length() > SHORTEST_NORMAL;
+            let width = 0.0..=1.0;
+            if !(values.iter().all(|v| v.is_finite()) && directed && width.contains(&ax) && width.contains(&ay)) {
+                return wrong(format!("{values:?}"), "a finite normal with z above 0 and widths from 0 to 1");
+            }
         }
-        let found = format!("{values:?} at column {x}, row {y} of level {level}");
-        return Err(Error::invalid(path, found, "a finite normal with z above 0 and widths from 0 to 1"));
+        let weights = || places.iter().map(|place| place.weight.map_or(1.0, |channel| raster.at(x, y, channel)));
+        if !are_shares(weights()) {
+            let found = format!("weights {:?}", weights().collect::<Vec<_>>());
+            return wrong(found, "weights from 0 up that sum to 1");
+        }
+        if level == 0 && weights().skip(1).any(|weight| weight > 0.0) {
+            return wrong("several lobes".into(), super::ONE_LOBE_AT_LEVEL_0);
+        }
     }
     Ok(())
 }
 
-fn lobes(raster: &Raster, channels: [usize; 6], form: Form) -> Lobes {
-    Lobes::from_fn(form, raster.size(), |x, y| {
-        let [nx, ny, nz, ax, ay, angle] = texel(raster, channels, x, y);
+fn lobes(raster: &Raster, places: &[Places], form: Form) -> Lobes {
+    Lobes::mixed_from_fn(form, places.len(), raster.size(), |j, x, y| {
+        let [nx, ny, nz, ax, ay, angle] = texel(raster, places[j].lobe, x, y);
         let axes = Axes { alpha_x: Alpha(ax), alpha_y: Alpha(ay), angle: if ax == ay { 0.0 } else { angle } };
         let normal = Vec3::new(nx, ny, nz);
         // As written, where that is a unit vector already.
         let normal = if (normal.length_squared() - 1.0).abs() < 1e-6 { normal } else { normal.normalize() };
-        Lobe { normal, roughness: RoughnessTensor::from_axes(axes) }
+        let weight = places[j].weight.map_or(1.0, |channel| raster.at(x, y, channel));
+        (Lobe { normal, roughness: RoughnessTensor::from_axes(axes) }, weight)
     })
 }
 

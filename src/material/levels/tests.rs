@@ -1,5 +1,7 @@
 //! Chains that were built and read again, and files that are no chain.
 
+mod mixtures;
+
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -41,6 +43,12 @@ struct Build {
 const SIZE: (usize, usize) = (24, 10);
 
 fn build(change: impl FnOnce(&mut Inputs), form: Form) -> Build {
+    build_with(change, Options { form, slope_moments: true, ..Options::default() }, |_, _| ())
+}
+
+/// With a chain that `mix` changes, given each level's number.
+fn build_with(change: impl FnOnce(&mut Inputs), options: Options, mix: impl Fn(usize, &mut Lobes)) -> Build {
+    let form = options.form;
     let folder = tempfile::tempdir().unwrap();
     let mut inputs = Inputs {
         name: "wall".into(),
@@ -56,17 +64,17 @@ fn build(change: impl FnOnce(&mut Inputs), form: Form) -> Build {
     if form == Form::Anisotropic {
         material.ensure_anisotropy_map();
     }
-    let options = Options { form, slope_moments: true, ..Options::default() };
-    let chain = fold::chain(&material, &options);
+    let mut chain = fold::chain(&material, &options);
+    chain.levels.iter_mut().enumerate().for_each(|(i, level)| mix(i + 1, &mut level.lobes));
     let request = Request {
         folder: folder.path().join("out"),
         formats: vec![Format::Png, Format::Exr],
         depth: Depth::Half,
-        moments: true,
+        moments: options.slope_moments,
         extras: Vec::new(),
         force: false,
     };
-    let plan = Plan::new(&material, &request);
+    let plan = Plan::new(&material, &options, &request);
     write(&material, &chain, &options, &plan, &request, &|| {}).unwrap();
     let levels = chain.into_lobes(base_lobes(&material, form));
     Build { folder, material, levels }

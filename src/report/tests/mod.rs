@@ -119,6 +119,7 @@ fn scores(name: &str, fold: &str, most: f64) -> ChainScore {
         name: name.into(),
         fold: Some(fold.into()),
         lobes: Form::Isotropic,
+        count: 1,
         levels: (0..LEVELS).map(level).collect(),
     }
 }
@@ -153,6 +154,7 @@ fn json_has_its_fields() {
         (&chain["name"], &chain["fold"], &chain["lobes"]),
         (&"theirs".into(), &"toksvig".into(), &"isotropic".into())
     );
+    assert_eq!(chain["count"], 1);
     assert_eq!(chain["levels"].as_array().unwrap().len(), LEVELS);
     assert_eq!(chain["levels"][4]["lobe_error"]["mean"], 0.3);
     assert_eq!(chain["levels"][4]["worst"][0]["x"], 2);

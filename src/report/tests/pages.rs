@@ -2,10 +2,10 @@
 
 use super::super::page::page_with;
 use super::super::{Candidate, ChainAbout, Motion, MotionScore, Subject};
-use super::{QUICK, Stage, usual};
+use super::{LEVELS, QUICK, Stage, csv, records, usual};
 use crate::fold::FOLDS;
 use crate::image::Size;
-use crate::ndf::Lobes;
+use crate::ndf::{Form, Lobes};
 
 /// Every id that something points to is there, once; tags are closed; nothing comes from outside.
 fn is_sound(html: &str) {
@@ -174,4 +174,21 @@ fn many_chains_and_odd_sizes_are_drawn() {
         .collect();
     stage.chains = chains;
     is_sound(&stage.page());
+}
+
+/// Every picture of a chain of several lobes is drawn, and says so.
+#[test]
+fn mixtures_are_drawn() {
+    let mut stage = usual();
+    for level in &mut stage.chains[1].levels[1..] {
+        let size = level.size();
+        *level = Lobes::mixed_from_fn(Form::Isotropic, 2, size, |j, x, y| (level.at(x, y), [0.75, 0.25][j]));
+    }
+    (stage.judgement.chains[1].count, stage.judgement.chains[1].fold) = (2, None);
+    let page = stage.page();
+    assert!(page.contains("not known, 2 lobes"));
+    assert!(page.contains("(75 %), ") && page.contains("(25 %)"));
+    let records = records(&csv(&stage.subject()));
+    let column = records[0].iter().position(|name| name == "count").unwrap();
+    assert_eq!((records[1][column].as_str(), records[1 + LEVELS][column].as_str()), ("1", "2"));
 }
