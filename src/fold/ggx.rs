@@ -1,8 +1,7 @@
 //! Based on: J. T. Kent, D. E. Tyler, Y. Vardi, "A Curious Likelihood Identity for the Multivariate t-Distribution", 1994.
 
-use super::fit::{Chunk, Fitted, scatter};
+use super::fit::{Chunk, Fitted, Shape, scatter};
 use super::{Fold, Method};
-use crate::ndf::Form;
 use crate::summary::EXACT;
 
 /// The GGX lobe closest to the footprint's own NDF: see [`super::fit`].
@@ -17,10 +16,10 @@ pub const FOLD: Fold = Fold {
 const STEPS: usize = 3;
 
 #[inline(always)]
-fn fit(chunk: &Chunk, form: Form, out: &mut [Fitted]) {
+fn fit(chunk: &Chunk, shape: Shape, out: &mut [Fitted]) {
     let mut estimate = scatter::start(&chunk.atoms);
     for _ in 0..STEPS {
-        scatter::step(&chunk.atoms, None, form, &mut estimate);
+        scatter::step(&chunk.atoms, shape.form, &mut estimate);
     }
     out[0] = scatter::read_out(chunk, &estimate);
 }

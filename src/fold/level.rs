@@ -99,7 +99,8 @@ impl Band<'_> {
             Method::Lobes { fit, .. } => {
                 let mut planes: Vec<&mut [f32]> = plane_rows(&mut self.lobes, y, x, n).collect();
                 let normals = [0, 1, 2].map(|i| row.plane(plane::NORMAL + i));
-                fit::row(*fit, self.form, options.lobes, summaries, from, normals, &mut planes);
+                let shape = fit::Shape { form: self.form, shared_normal: options.shared_normal };
+                fit::row(*fit, shape, options.lobes, summaries, from, normals, &mut planes);
             }
         }
         let stride = self.lobes.dim().0 / options.lobes;

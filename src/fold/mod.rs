@@ -119,7 +119,8 @@ impl Fold {
             Method::Lobes { fit, .. } => {
                 let entry = |(lobe, weight): &(Lobe, f32)| Entry { weight: *weight, lobe: SlopeLobe::new(lobe) };
                 let entries: Vec<Entry> = footprint.iter().map(entry).collect();
-                fit::one(*fit, form, 1, &entries, rows::unit(moments.normal()))[0].0
+                fit::one(*fit, fit::Shape { form, shared_normal: false }, 1, &entries, rows::unit(moments.normal()))[0]
+                    .0
             }
         }
     }

@@ -53,7 +53,16 @@ pub struct Fitted {
 }
 
 /// Fits lobes to the footprints of a chunk; one entry of `out` for each lobe that is asked for.
-pub type Fit = fn(chunk: &Chunk, form: Form, out: &mut [Fitted]);
+pub type Fit = fn(chunk: &Chunk, shape: Shape, out: &mut [Fitted]);
+
+/// What lobes may differ in.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Shape {
+    /// One width or two.
+    pub form: Form,
+    /// Whether the lobes of a footprint share a normal.
+    pub shared_normal: bool,
+}
 
 impl Atom {
     /// The Cholesky factor of a scatter.
@@ -93,7 +102,7 @@ impl Chunk {
 /// Fits a row of footprints. `planes` are those of a row of [`crate::ndf::Lobes`], `normals` the mean normals.
 pub fn row(
     fit: Fit,
-    form: Form,
+    shape: Shape,
     count: usize,
     from: &Summaries,
     y: usize,
@@ -101,6 +110,7 @@ pub fn row(
     planes: &mut [&mut [f32]],
 ) {
     let mut chunk = Chunk::default();
+    let form = shape.form;
     let stride = form.planes() + usize::from(count > 1);
     for x in (0..from.width()).step_by(LANES) {
         let mut fitted = [Fitted::default(); MOST_LOBES];
@@ -108,7 +118,7 @@ pub fn row(
             #[inline(always)]
             || {
                 chunk.gather(from, y, x, normals);
-                fit(&chunk, form, &mut fitted[..count]);
+                fit(&chunk, shape, &mut fitted[..count]);
             },
         );
         for i in 0..LANES.min(from.width() - x) {
@@ -126,14 +136,14 @@ pub fn row(
 }
 
 /// Fits a single footprint: lobes with weights.
-pub fn one(fit: Fit, form: Form, count: usize, entries: &[Entry], normal: Vec3) -> Vec<(Lobe, f32)> {
+pub fn one(fit: Fit, shape: Shape, count: usize, entries: &[Entry], normal: Vec3) -> Vec<(Lobe, f32)> {
     let mut chunk = Chunk { normal: normal.to_array().map(|v| [v; LANES]), ..Chunk::default() };
     chunk.atoms.resize(entries.len(), Atom::default());
     for (atom, Entry { weight, lobe: SlopeLobe { centre, scatter } }) in chunk.atoms.iter_mut().zip(entries) {
         (0..LANES).for_each(|i| atom.set(i, *weight, centre.to_array(), [scatter.xx, scatter.xy, scatter.yy]));
     }
     let mut fitted = [Fitted::default(); MOST_LOBES];
-    fit(&chunk, form, &mut fitted[..count]);
+    fit(&chunk, shape, &mut fitted[..count]);
     fitted[..count].iter().map(|fitted| (fitted.lobe(0), fitted.weight[0])).collect()
 }
 

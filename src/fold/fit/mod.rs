@@ -7,5 +7,5 @@
 mod chunk;
 pub(super) mod scatter;
 
-pub use chunk::{Atom, Chunk, Fit, Fitted, LANES, Lanes};
+pub use chunk::{Atom, Chunk, Fit, Fitted, LANES, Lanes, Shape};
 pub(super) use chunk::{one, row};

@@ -85,9 +85,9 @@ pub fn start(atoms: &[Atom]) -> Estimate {
     e
 }
 
-/// One step. `shares` are the responsibilities of a mixture, by atom; all of the atom without.
+/// One step.
 #[inline(always)]
-pub fn step(atoms: &[Atom], shares: Option<&[Lanes]>, form: Form, e: &mut Estimate) {
+pub fn step(atoms: &[Atom], form: Form, e: &mut Estimate) {
     // Inverse of the scatter.
     let (mut mxx, mut mxy, mut myy) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
     for i in 0..LANES {
@@ -100,7 +100,7 @@ pub fn step(atoms: &[Atom], shares: Option<&[Lanes]>, form: Form, e: &mut Estima
     }
     // Sums of w, w d, w d d^T; the parts of tr(P^-1 w d d^T) that lie between atoms and in all.
     let mut sums = [[0.0; LANES]; 8];
-    for (k, a) in atoms.iter().enumerate() {
+    for a in atoms {
         for i in 0..LANES {
             let (dx, dy) = (a.x[i] - e.x[i], a.y[i] - e.y[i]);
             let (l11, l21, l22) = (a.l11[i], a.l21[i], a.l22[i]);
@@ -109,7 +109,9 @@ pub fn step(atoms: &[Atom], shares: Option<&[Lanes]>, form: Form, e: &mut Estima
             let far = 1.0 + dx * mx + dy * my;
             // Axes of the atom, v = L q for orthogonal q, of which the first points where w changes most, so that turning
             // the footprint turns the nodes.
-            let (b1, b2) = (l11 * mx + l21 * my, l22 * my);
+            // Their products stay in the range of f32 even for a smooth lobe seen from the horizon.
+            let bounded = |b: f32| b.max(-1e18).min(1e18);
+            let (b1, b2) = (bounded(l11 * mx + l21 * my), bounded(l22 * my));
             let b = (b1 * b1 + b2 * b2).sqrt();
             let inverse = 1.0 / b.max(f32::MIN_POSITIVE);
             let (cos, sin) = if b > 0.0 { (b1 * inverse, b2 * inverse) } else { (1.0, 0.0) };
@@ -137,8 +139,7 @@ pub fn step(atoms: &[Atom], shares: Option<&[Lanes]>, form: Form, e: &mut Estima
             let (c11, c12, c22) = (RING2[0] * w1 + outer, half * (w3 - w4), RING2[0] * w2 + outer);
             let (e1, e2) = (r1 * v1 + r2 * (v3 + v4), r2 * (v3 - v4));
             let (ex, ey) = (ax * e1 + bx * e2, ay * e1 + by * e2);
-            let share = shares.map_or(1.0, |shares| shares[k][i]);
-            let g = a.w[i] * share * (0.125 * all).sqrt();
+            let g = a.w[i] * (0.125 * all).sqrt();
             let sxx = all * dx * dx + 2.0 * dx * ex + c11 * ax * ax + 2.0 * c12 * ax * bx + c22 * bx * bx;
             let sxy = all * dx * dy + dx * ey + dy * ex + c11 * ax * ay + c12 * (ax * by + ay * bx) + c22 * bx * by;
             let syy = all * dy * dy + 2.0 * dy * ey + c11 * ay * ay + 2.0 * c12 * ay * by + c22 * by * by;
@@ -191,7 +192,7 @@ fn round(centre: Vec2, p: RoughnessTensor) -> RoughnessTensor {
     let along = if length2 > 0.0 { along } else { p.mean() };
     let across = p.xx + p.yy - along;
     // alpha^2 enters S_zz. Begun from that of a round lobe, which is exact for one, a few rounds settle it.
-    let mut zz = (across / along.max(f32::MIN_POSITIVE)).clamp(1.0 / (1.0 + length2), 1.0);
+    let mut zz = (across / along.max(f32::MIN_POSITIVE)).clamp(1e-6, 1.0);
     let mut alpha2 = 0.0;
     for _ in 0..3 {
         alpha2 = (0.5 * (along * zz * zz + across * zz)).min(1.0);

@@ -131,7 +131,7 @@ fn every_container_gives_the_folded_lobes_back() {
         for (container, normal, width) in steps {
             let chain = build.read(container);
             assert_eq!(chain.levels.len(), 5);
-            assert_eq!(chain.fold.as_deref(), Some("projected"));
+            assert_eq!(chain.fold.as_deref(), Some("ggx"));
             let (n, w) = difference(&chain.levels, &build.levels);
             assert!(n < normal && w < width, "{i} {container:?}: normals {n}, widths {w}");
             if container != Container::Exr {
@@ -148,7 +148,7 @@ fn two_widths_come_back_with_their_direction() {
     let build = build(|_| {}, Form::Anisotropic);
     for (container, width) in [(Container::Png, 0.02), (Container::Exr, 2e-3), (Container::Lobes, 1e-5)] {
         let chain = build.read(container);
-        assert_eq!(chain.fold.as_deref(), Some("projected, two widths"));
+        assert_eq!(chain.fold.as_deref(), Some("ggx, two widths"));
         assert_eq!(chain.levels[2].form(), Form::Anisotropic);
         let (_, w) = difference(&chain.levels, &build.levels);
         assert!(w < width, "{container:?}: widths {w}");

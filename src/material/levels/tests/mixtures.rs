@@ -82,7 +82,7 @@ fn every_container_gives_the_mixture_back() {
             ];
             for (container, most) in steps {
                 let chain = build.read(container);
-                assert_eq!(chain.fold, Some(format!("projected, {count} lobes")));
+                assert_eq!(chain.fold, Some(format!("ggx, {count} lobes")));
                 let off = differences(&chain.levels, &build.levels);
                 assert!(off.iter().zip(most).all(|(off, most)| *off <= most), "{i} {count} {container:?}: {off:?}");
                 assert!(chain.levels[1..].iter().all(|level| level.form() == Form::Isotropic));
@@ -106,7 +106,7 @@ fn lobes_of_two_widths_come_back_with_their_directions() {
     ];
     for (container, most) in steps {
         let chain = build.read(container);
-        assert_eq!(chain.fold.as_deref(), Some("projected, 2 lobes, two widths"));
+        assert_eq!(chain.fold.as_deref(), Some("ggx, 2 lobes, two widths"));
         let off = differences(&chain.levels, &build.levels);
         assert!(off.iter().zip(most).all(|(off, most)| *off <= most), "{container:?}: {off:?}");
         for j in 0..2 {
@@ -128,7 +128,7 @@ fn haze_has_one_normal() {
         (Container::Lobes, [1e-6; 3]),
     ] {
         let chain = build.read(container);
-        assert_eq!(chain.fold.as_deref(), Some("projected, 2 lobes sharing a normal"));
+        assert_eq!(chain.fold.as_deref(), Some("ggx, 2 lobes sharing a normal"));
         let off = differences(&chain.levels, &build.levels);
         assert!(off.iter().zip(most).all(|(off, most)| *off <= most), "{container:?}: {off:?}");
         let [first, second] = [0, 1].map(|j| chain.levels[1].slot(j, 2, 3).0.normal);
