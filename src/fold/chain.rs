@@ -7,7 +7,7 @@
 
 use rayon::prelude::*;
 
-use super::{DEFAULT_FOLD, Fold, Level, Method, level::Band};
+use super::{DEFAULT_FOLD, Fold, Level, Method, level::Band, slots};
 use crate::image::{Size, spans};
 use crate::material::Texels;
 use crate::moments::{Block, Layout, Needs, Quads, Scratch, TexelRows, UNUSABLE_WEIGHT, reduce_rows};
@@ -102,6 +102,9 @@ pub fn chain(texels: &dyn Texels, options: &Options) -> Chain {
     for (k, level) in (trunk + 1..).zip(rest) {
         let keep = sources[k..].contains(&k);
         kept[k] = job.fold_level(level, kept[sources[k]].as_ref(), size.level(k), keep);
+    }
+    if options.lobes > 1 {
+        slots::order(&mut levels);
     }
     Chain { size, levels }
 }

@@ -15,6 +15,7 @@ mod projected;
 mod rows;
 mod sggx;
 mod shape;
+mod slots;
 mod toksvig;
 mod vmf;
 
