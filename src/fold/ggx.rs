@@ -42,7 +42,7 @@ impl pulp::WithSimd for Closest<'_> {
 fn closest(chunk: &Chunk, shape: Shape) -> Fitted {
     let mut estimate = scatter::start(&chunk.atoms, |k| chunk.atoms[k].w);
     for _ in 0..STEPS {
-        scatter::step(&chunk.atoms, shape.form, &mut estimate);
+        scatter::step(&chunk.atoms, shape.form, chunk.normal[2], &mut estimate);
     }
-    scatter::read_out(&estimate, &chunk.normal, Lanes::all(1.0))
+    scatter::read_out(&estimate, shape.form, &chunk.normal, Lanes::all(1.0))
 }

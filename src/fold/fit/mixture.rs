@@ -58,7 +58,8 @@ fn fit_some<const LOBES: usize>(chunk: &Chunk, shape: Shape, out: &mut [Fitted])
         step(atoms, &axes, shape, &mut parts);
     }
     for (part, out) in parts.iter().zip(out.iter_mut()) {
-        *out = read_out(part);
+        // Lobes lie anywhere: their normals are looked for from their own centres.
+        *out = scatter::read_out(&part.lobe, shape.form, &part.lobe.direction(), part.area);
     }
     if shape.shared_normal {
         share_normal(out);
@@ -122,7 +123,9 @@ fn step<const LOBES: usize>(atoms: &[Atom], axes: &[[Lanes; 4]], shape: Shape, p
     }
     let common = shape.shared_normal.then(|| common_shift(parts, &sums));
     for (part, sums) in parts.iter_mut().zip(&sums) {
-        sums.estimate(&part.lobe, common).settle(shape.form, part.share, Lanes::all(LEAST_SHARE), &mut part.lobe);
+        let next = sums.estimate(&part.lobe, common);
+        let [.., up] = next.direction();
+        next.settle(shape.form, up, part.share, Lanes::all(LEAST_SHARE), &mut part.lobe);
     }
 }
 
@@ -175,21 +178,6 @@ fn common_shift(parts: &[Part], sums: &[Sums]) -> [Lanes; 2] {
         (0..2).for_each(|q| shift[q] += certainty * sums.d[q]);
     }
     shift.map(|shift| shift * all.inverse())
-}
-
-/// Lobes lie anywhere: their normals are looked for from their own centres, two power steps on.
-#[inline(always)]
-fn read_out(part: &Part) -> Fitted {
-    let e = &part.lobe;
-    let mut near = [-e.x, -e.y, Lanes::all(1.0)];
-    for _ in 0..2 {
-        let [x, y, z] = near;
-        let up = z - e.x * x - e.y * y;
-        let (x, y) = (e.xx * x + e.xy * y - up * e.x, e.xy * x + e.yy * y - up * e.y);
-        let scale = (x * x + y * y + up * up).max(f32::MIN_POSITIVE).sqrt().inverse();
-        near = [x * scale, y * scale, up * scale];
-    }
-    scatter::read_out(e, &near, part.area)
 }
 
 /// Gives all lobes their mean normal. Those of a common centre differ, by little, where they lie far from upright.

@@ -142,9 +142,9 @@ pub fn start(atoms: &[Atom], weight: impl Fn(usize) -> Lanes) -> Estimate {
     e
 }
 
-/// One step.
+/// One step. `up` is the z of the mean normal.
 #[inline(always)]
-pub fn step(atoms: &[Atom], form: Form, e: &mut Estimate) {
+pub fn step(atoms: &[Atom], form: Form, up: Lanes, e: &mut Estimate) {
     let m = Metric::new(e);
     // Sums of w, w d, w d d^T; the parts of tr(P^-1 w d d^T) that lie between atoms and in all.
     let mut sums = [Lanes::default(); 8];
@@ -199,15 +199,16 @@ pub fn step(atoms: &[Atom], form: Form, e: &mut Estimate) {
     next.xx = scale * (xx * inverse - x * x);
     next.xy = scale * (xy * inverse - x * y);
     next.yy = scale * (yy * inverse - y * y);
-    next.settle(form, weight, Lanes::default(), e);
+    next.settle(form, up, weight, Lanes::default(), e);
 }
 
 impl Estimate {
-    /// Becomes the estimate, of one width if that is asked for, where there is more weight than `least`.
+    /// Becomes the estimate, of one width if that is asked for, where there is more weight than `least`. `up` is the z of a
+    /// normal near the lobe's.
     #[inline(always)]
-    pub fn settle(mut self, form: Form, weight: Lanes, least: Lanes, out: &mut Self) {
+    pub fn settle(mut self, form: Form, up: Lanes, weight: Lanes, least: Lanes, out: &mut Self) {
         if form == Form::Isotropic {
-            self.round();
+            self.round(up * up);
         }
         out.x = weight.above(least, self.x, out.x);
         out.y = weight.above(least, self.y, out.y);
@@ -216,12 +217,13 @@ impl Estimate {
         out.yy = weight.above(least, self.yy, out.yy);
     }
 
-    /// Takes the scatter of a lobe of one width about this centre: the mean of its own in that one's metric.
+    /// Takes the scatter of a lobe of one width about this centre: the mean of its own in that one's metric. `up2` is the
+    /// squared z of the lobe's normal, or of one near to it.
     ///
     /// Such a lobe has the scatter alpha^2 / S_zz^2 along the tilt and alpha^2 / S_zz across it, `S_zz = alpha^2 +
     /// (1 - alpha^2) n_z^2`.
     #[inline(always)]
-    fn round(&mut self) {
+    fn round(&mut self, up2: Lanes) {
         let Self { x, y, xx, xy, yy } = *self;
         let (zero, length2) = (Lanes::default(), x * x + y * y);
         let inverse = length2.max(f32::MIN_POSITIVE).inverse();
@@ -233,7 +235,7 @@ impl Estimate {
         let mut alpha2 = zero;
         for _ in 0..3 {
             alpha2 = (0.5 * (along * zz * zz + across * zz)).min(1.0);
-            zz = upright(alpha2, length2);
+            zz = up2 + alpha2 * (-up2 + 1.0);
         }
         let inverse_zz = zz.inverse();
         let c = alpha2 * inverse_zz;
@@ -241,26 +243,32 @@ impl Estimate {
         let k = length2.above(zero, (a - c) * inverse, zero);
         (self.xx, self.xy, self.yy) = (c + k * x * x, k * x * y, c + k * y * y);
     }
-}
 
-/// S_zz of the lobe of one width whose centre has this squared length: `|u| = (1 - a) t / (1 + a t^2)` for the slope t of
-/// its normal.
-#[inline(always)]
-fn upright(alpha2: Lanes, length2: Lanes) -> Lanes {
-    let rest = -alpha2 + 1.0;
-    let root = (rest * rest - 4.0 * alpha2 * length2).max(0.0).sqrt();
-    let t2 = 4.0 * length2 * ((rest + root) * (rest + root)).max(1e-6).inverse();
-    (alpha2 * t2 + 1.0) * (t2 + 1.0).inverse()
+    /// The direction of the lobe's normal, by a few power steps from the centre's own.
+    #[inline(always)]
+    pub fn direction(&self) -> [Lanes; 3] {
+        let mut near = [-self.x, -self.y, Lanes::all(1.0)];
+        for _ in 0..4 {
+            let [x, y, z] = near;
+            let up = z - self.x * x - self.y * y;
+            let (x, y) = (self.xx * x + self.xy * y - up * self.x, self.xy * x + self.yy * y - up * self.y);
+            let scale = (x * x + y * y + up * up).max(f32::MIN_POSITIVE).sqrt().inverse();
+            near = [x * scale, y * scale, up * scale];
+        }
+        near
+    }
 }
 
 /// Reads an estimate out as lobes whose normals lie near others, unit or not.
 #[inline(always)]
-pub fn read_out(e: &Estimate, near: &[Lanes; 3], weight: Lanes) -> Fitted {
+pub fn read_out(e: &Estimate, form: Form, near: &[Lanes; 3], weight: Lanes) -> Fitted {
     let mut out = Fitted { weight, ..Fitted::default() };
     for i in 0..LANES {
         let scatter = RoughnessTensor { xx: e.xx.0[i], xy: e.xy.0[i], yy: e.yy.0[i] };
         let near = Vec3::from(near.map(|v| v.0[i]));
         let (n, r) = SlopeLobe { centre: Vec2::new(e.x.0[i], e.y.0[i]), scatter }.near(near);
+        // That of a lobe of one width is round but for rounding.
+        let r = if form == Form::Isotropic { RoughnessTensor { xx: r.mean(), xy: 0.0, yy: r.mean() } } else { r };
         (out.normal[0].0[i], out.normal[1].0[i], out.normal[2].0[i]) = (n.x, n.y, n.z);
         (out.tensor[0].0[i], out.tensor[1].0[i], out.tensor[2].0[i]) = (r.xx, r.xy, r.yy);
     }
