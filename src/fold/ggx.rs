@@ -12,9 +12,6 @@ pub const FOLD: Fold = Fold {
     method: Method::Lobes { most: EXACT, fit },
 };
 
-/// Steps from a start that is near already: thirty would change the mean lobe error by less than a hundredth of itself.
-const STEPS: usize = 3;
-
 fn fit(chunk: &Chunk, shape: Shape, out: &mut [Fitted]) {
     pulp::Arch::new().dispatch(Closest { chunk, shape, out });
 }
@@ -32,17 +29,12 @@ impl pulp::WithSimd for Closest<'_> {
     #[inline(always)]
     fn with_simd<S: pulp::Simd>(self, _: S) {
         match self.out {
-            [out] => *out = closest(self.chunk, self.shape),
+            [out] => {
+                let Self { chunk, shape, .. } = self;
+                let estimate = scatter::closest(chunk, shape.form);
+                *out = scatter::read_out(&estimate, shape.form, &chunk.normal, Lanes::all(1.0));
+            }
             out => mixture::fit(self.chunk, self.shape, out),
         }
     }
-}
-
-#[inline(always)]
-fn closest(chunk: &Chunk, shape: Shape) -> Fitted {
-    let mut estimate = scatter::start(&chunk.atoms, |k| chunk.atoms[k].w);
-    for _ in 0..STEPS {
-        scatter::step(&chunk.atoms, shape.form, chunk.normal[2], &mut estimate);
-    }
-    scatter::read_out(&estimate, shape.form, &chunk.normal, Lanes::all(1.0))
 }

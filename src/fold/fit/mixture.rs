@@ -8,7 +8,7 @@ use std::f32::consts::FRAC_1_SQRT_2;
 
 use super::chunk::{Atom, Chunk, Fitted, Shape};
 use super::lanes::Lanes;
-use super::scatter::{self, Estimate, Metric, RING, Seen};
+use super::scatter::{self, Estimate, Metric, RING, Seen, closest};
 use super::seed;
 
 /// Places of the nodes of a lobe along its two axes.
@@ -53,8 +53,16 @@ fn fit_some<const LOBES: usize>(chunk: &Chunk, shape: Shape, out: &mut [Fitted])
             [ax, ay, bx, by]
         })
         .collect();
-    let mut parts: [Part; LOBES] = seed::parts(atoms);
-    for _ in 0..if LOBES == 2 { 3 } else { 2 } {
+    let mut parts: [Part; LOBES] =
+        if shape.shared_normal { seed::ladder(&closest(chunk, shape.form)) } else { seed::parts(atoms) };
+    let hs: usize = std::env::var("HS").map_or(3, |s| s.parse().unwrap());
+    for _ in 0..if shape.shared_normal {
+        hs
+    } else if LOBES == 2 {
+        3
+    } else {
+        2
+    } {
         step(atoms, &axes, shape, &mut parts);
     }
     for (part, out) in parts.iter().zip(out.iter_mut()) {

@@ -14,7 +14,7 @@ use std::f32::consts::FRAC_1_SQRT_2;
 
 use glam::{Vec2, Vec3};
 
-use super::chunk::{Atom, Fitted};
+use super::chunk::{Atom, Chunk, Fitted};
 use super::lanes::{LANES, Lanes};
 use crate::ndf::{Form, RoughnessTensor, SlopeLobe};
 
@@ -35,6 +35,9 @@ const THINNEST: f32 = 1e-5;
 /// Least diagonal of a scatter: that of the smoothest texels. With it no square of a ratio to the steepest slopes
 /// leaves the range of f32.
 const LEAST: f32 = 1e-12;
+
+/// Steps from a start that is near already: thirty would change the mean lobe error by less than a hundredth of itself.
+const STEPS: usize = 3;
 
 /// The estimate so far: centre and scatter.
 #[derive(Clone, Copy, Default)]
@@ -109,6 +112,16 @@ impl Seen {
         let b = [-(atom.l11 * sin), atom.l22 * cos - atom.l21 * sin];
         Self { d: [dx, dy], far: dx * mx + dy * my + 1.0, slope, a, b }
     }
+}
+
+/// The closest lobe of each footprint.
+#[inline(always)]
+pub fn closest(chunk: &Chunk, form: Form) -> Estimate {
+    let mut estimate = start(&chunk.atoms, |k| chunk.atoms[k].w);
+    for _ in 0..STEPS {
+        step(&chunk.atoms, form, chunk.normal[2], &mut estimate);
+    }
+    estimate
 }
 
 /// A start that needs no iteration: the mean slope, and the second moments about it, each weighed by the inverse of its

@@ -3,7 +3,7 @@
 use super::chunk::Atom;
 use super::lanes::Lanes;
 use super::mixture::Part;
-use super::scatter;
+use super::scatter::{self, Estimate};
 
 /// Cuts the part with the largest weighted sum of squares at its mean, across the direction in which it is longest among
 /// centre and width, until there are enough; each part starts as a single lobe does.
@@ -56,6 +56,20 @@ pub(super) fn parts<const LOBES: usize>(atoms: &[Atom]) -> [Part; LOBES] {
         lobe.xx = share.above(none, lobe.xx, whole.xx);
         lobe.xy = share.above(none, lobe.xy, whole.xy);
         lobe.yy = share.above(none, lobe.yy, whole.yy);
+    }
+    parts
+}
+
+/// Lobes of the same centre and other widths.
+#[inline(always)]
+pub(super) fn ladder<const LOBES: usize>(whole: &Estimate) -> [Part; LOBES] {
+    let mut parts = [Part::default(); LOBES];
+    let k: f32 = std::env::var("LADDER").map_or(2.0, |s| s.parse().unwrap());
+    for (j, part) in parts.iter_mut().enumerate() {
+        let scale = k.powf(2.0 * j as f32 / (LOBES - 1) as f32 - 1.0);
+        let Estimate { x, y, xx, xy, yy } = *whole;
+        part.lobe = Estimate { x, y, xx: scale * xx, xy: scale * xy, yy: scale * yy };
+        part.share = Lanes::all(1.0 / LOBES as f32);
     }
     parts
 }
