@@ -9,7 +9,7 @@ pub const FOLD: Fold = Fold {
     name: "ggx",
     cite: "Kent, Tyler & Vardi 1994; Fujisawa & Eguchi 2008",
     about: "the closest GGX lobe, by robust likelihood",
-    method: Method::Lobes { most: EXACT, fit },
+    method: Method::Lobes { most: EXACT, mixtures: true, fit },
 };
 
 /// Steps from a start that is near already: thirty would change the mean lobe error by less than a hundredth of itself.

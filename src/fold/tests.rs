@@ -65,7 +65,7 @@ proptest! {
             // Steeper than 1 / alpha, the slopes' centre turns back: it tells a normal before and one after, the more roughly
             // the closer they are.
             let turn = (1.0 - a * n.truncate().length() / n.z).min(1.0 - a);
-            let rounding = if !fold.has_mixtures() { 1e-6 } else if turn > 0.1 { 2e-4 } else { 0.1 };
+            let rounding = if !fold.searches() { 1e-6 } else if turn > 0.1 { 2e-4 } else { 0.1 };
             prop_assert!((folded.normal - n).length() < rounding, "{} {form:?}: {}", fold.name, (folded.normal - n).length());
             let error = (folded.roughness - lobe.roughness) * (1.0 / (a * a));
             let most = 4.0 * rounding;
@@ -90,7 +90,7 @@ proptest! {
                 fold.lobe(&turned.collect::<Vec<_>>(), form)
             };
             let (a, b) = (folded(false), folded(true));
-            let rounding = if fold.has_mixtures() { 3e-2 } else { 1e-4 };
+            let rounding = if fold.searches() { 3e-2 } else { 1e-4 };
             let off = (turn * a.normal - b.normal).length();
             prop_assert!(off < rounding, "{} {form:?}: {off}", fold.name);
             let difference = turn * form_of(&a) * turn.transpose() - form_of(&b);
@@ -109,7 +109,7 @@ proptest! {
             slopes.iter().map(|s| texel(Vec3::new(-k * (s.0 - mean.0), -k * (s.1 - mean.1), 1.0).normalize(), r)).collect()
         };
         // Searches leave out what lies far off, the sooner the farther.
-        for (fold, form) in all().filter(|(fold, _)| !fold.has_mixtures()) {
+        for (fold, form) in all().filter(|(fold, _)| !fold.searches()) {
             let width = |k| fold.lobe(&scaled(k), form).roughness.mean();
             prop_assert!(width(k) >= width(1.0) * (1.0 - 1e-5), "{} {form:?}", fold.name);
         }
@@ -121,7 +121,7 @@ proptest! {
         twice.extend(texels.iter().rev());
         for (fold, form) in all() {
             let (once, twice) = (fold.lobe(&lobes(&texels), form), fold.lobe(&lobes(&twice), form));
-            let rounding = if fold.has_mixtures() { 1e-2 } else { 2e-5 };
+            let rounding = if fold.searches() { 1e-2 } else { 2e-5 };
             prop_assert!(distance(&once, &twice) < rounding, "{} {form:?}", fold.name);
         }
     }
@@ -134,9 +134,9 @@ proptest! {
         for (fold, form) in all() {
             let axes = fold.lobe(&footprint, form).axes();
             // Means over a lobe of a footprint are taken at eight nodes of it.
-            let nodes = if fold.has_mixtures() { 1e-2 } else { 1e-4 };
+            let nodes = if fold.searches() { 1e-2 } else { 1e-4 };
             prop_assert!(axes.alpha_y.squared() >= smoothest * (1.0 - nodes), "{} {form:?}", fold.name);
-            let searches = fold.has_mixtures();
+            let searches = fold.searches();
             let held = axes.alpha_y.squared() >= plain * (1.0 - 1e-4);
             prop_assert!(held || searches || form == Form::Anisotropic, "{}", fold.name);
         }
@@ -317,7 +317,7 @@ fn every_level_is_folded_from_the_exact_footprint_of_level_0() {
                     expected.roughness = expected.roughness.clamped(0.0, 1.0);
                     let error = distance(&expected, &level.lobes.at(x, y));
                     // A summary of unlike texels is not exact.
-                    let most = if fold.has_mixtures() && footprint.len() > EXACT { 0.2 } else { 2e-4 };
+                    let most = if fold.searches() && footprint.len() > EXACT { 0.2 } else { 2e-4 };
                     assert!(error < most, "{} {form:?} {width}x{height} level {k} at {x},{y}: {error}", fold.name);
                     assert!((level.extras[(0, y, x)] - extra).abs() < 1e-4 * width as f32);
                 }

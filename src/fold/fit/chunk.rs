@@ -75,6 +75,11 @@ impl Atom {
         (self.w[i], self.x[i], self.y[i]) = (w / (1.0 + x * x + y * y).sqrt(), x, y);
         (self.l11[i], self.l21[i], self.l22[i]) = (l11, l21, l22);
     }
+
+    /// A lobe of footprint `i`.
+    pub(super) fn set_lane(&mut self, i: usize, Entry { weight, lobe: SlopeLobe { centre, scatter } }: &Entry) {
+        self.set(i, *weight, centre.to_array(), [scatter.xx, scatter.xy, scatter.yy]);
+    }
 }
 
 impl Chunk {
@@ -139,8 +144,8 @@ pub fn row(
 pub fn one(fit: Fit, shape: Shape, count: usize, entries: &[Entry], normal: Vec3) -> Vec<(Lobe, f32)> {
     let mut chunk = Chunk { normal: normal.to_array().map(|v| [v; LANES]), ..Chunk::default() };
     chunk.atoms.resize(entries.len(), Atom::default());
-    for (atom, Entry { weight, lobe: SlopeLobe { centre, scatter } }) in chunk.atoms.iter_mut().zip(entries) {
-        (0..LANES).for_each(|i| atom.set(i, *weight, centre.to_array(), [scatter.xx, scatter.xy, scatter.yy]));
+    for (atom, entry) in chunk.atoms.iter_mut().zip(entries) {
+        (0..LANES).for_each(|i| atom.set_lane(i, entry));
     }
     let mut fitted = [Fitted::default(); MOST_LOBES];
     fit(&chunk, shape, &mut fitted[..count]);

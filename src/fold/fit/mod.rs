@@ -5,6 +5,8 @@
 //! products and sums, so every clone gives the same bits.
 
 mod chunk;
+pub(super) mod lobe_error;
+pub(super) mod simplex;
 pub(super) mod scatter;
 
 pub use chunk::{Atom, Chunk, Fit, Fitted, LANES, Lanes, Shape};
