@@ -17,7 +17,7 @@ use crate::ndf::{Frame, RoughnessTensor, SlopeLobe};
 use crate::random::{Random, Spread};
 
 /// Half vectors for each view, a multiple of what fills vector registers.
-const HALVES: usize = 96;
+const HALVES: usize = 192;
 
 /// Of those, how many come from the footprint.
 const SHARED: usize = HALVES / 2;
@@ -144,24 +144,66 @@ impl LobeError {
 
     /// The lobe error of a lobe, 0 to 2.
     pub fn of(&self, lobe: Candidate) -> f32 {
-        let lobe = Shaded::new(lobe);
-        pulp::Arch::new().dispatch(
-            #[inline(always)]
-            || {
-                let (mut apart, mut own) = (0.0, 0.0);
-                for seen in &self.seen {
-                    let (mut f, mut off) = ([0.0; HALVES], [0.0; HALVES]);
-                    seen.reflect(&lobe, &mut f, None);
-                    for j in 0..HALVES {
-                        f[j] *= seen.share[j];
-                        off[j] = (f[j] - seen.reference[j]).abs();
-                    }
-                    apart += sum(&off);
-                    own += sum(&f);
-                }
-                apart / (0.5 * (own + self.reflected))
-            },
-        )
+        pulp::Arch::new().dispatch(Apart { from: self, lobe: Shaded::new(lobe) })
+    }
+}
+
+/// [`LobeError::of`] for the processor's vector registers. A type, and no closure: calls of closures are not inlined there.
+struct Apart<'a> {
+    from: &'a LobeError,
+    lobe: Shaded,
+}
+
+impl pulp::WithSimd for Apart<'_> {
+    type Output = f32;
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) -> f32 {
+        let (mut apart, mut own) = (0.0, 0.0);
+        for seen in &self.from.seen {
+            let (mut f, mut off) = ([0.0; HALVES], [0.0; HALVES]);
+            seen.reflect(&self.lobe, &mut f, None);
+            for j in 0..HALVES {
+                f[j] *= seen.share[j];
+                off[j] = (f[j] - seen.reference[j]).abs();
+            }
+            apart += sum(&off);
+            own += sum(&f);
+        }
+        apart / (0.5 * (own + self.from.reflected))
+    }
+}
+
+/// What the footprint reflects, put into [`Seen`].
+struct Reference<'a> {
+    seen: &'a mut Seen,
+    lobes: &'a [(f32, Shaded)],
+    guess: &'a Shaded,
+}
+
+impl pulp::WithSimd for Reference<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) {
+        let Self { seen, lobes, guess } = self;
+        let (mut f, mut pdf) = ([0.0; HALVES], [0.0; HALVES]);
+        let (mut mean, mut density) = ([0.0; HALVES], [0.0; HALVES]);
+        seen.reflect(guess, &mut f, Some(&mut density));
+        for (weight, lobe) in lobes {
+            seen.reflect(lobe, &mut f, Some(&mut pdf));
+            for j in 0..HALVES {
+                mean[j] += weight * f[j];
+                density[j] += weight * pdf[j];
+            }
+        }
+        for j in 0..HALVES {
+            let cos = seen.view.x * seen.half[0][j] + seen.view.y * seen.half[1][j] + seen.view.z * seen.half[2][j];
+            let above = if seen.light[2][j] > 0.0 { 1.0 } else { 0.0 };
+            // Both halves of the draws.
+            let share = above * 4.0 * cos.max(0.0) / (0.5 * density[j]).max(f32::MIN_POSITIVE);
+            (seen.share[j], seen.reference[j]) = (share, share * mean[j]);
+        }
     }
 }
 
@@ -187,28 +229,7 @@ impl Seen {
         let planes = |v: &[Vec3; HALVES]| [0, 1, 2].map(|i| v.map(|v| v[i]));
         let zero = [0.0; HALVES];
         let mut seen = Self { view, half: planes(half), light: planes(&light), share: zero, reference: zero };
-        pulp::Arch::new().dispatch(
-            #[inline(always)]
-            || {
-                let (mut f, mut pdf) = ([0.0; HALVES], [0.0; HALVES]);
-                let (mut mean, mut density) = ([0.0; HALVES], [0.0; HALVES]);
-                seen.reflect(guess, &mut f, Some(&mut density));
-                for (weight, lobe) in lobes {
-                    seen.reflect(lobe, &mut f, Some(&mut pdf));
-                    for j in 0..HALVES {
-                        mean[j] += weight * f[j];
-                        density[j] += weight * pdf[j];
-                    }
-                }
-                for j in 0..HALVES {
-                    let cos = view.x * seen.half[0][j] + view.y * seen.half[1][j] + view.z * seen.half[2][j];
-                    let above = if seen.light[2][j] > 0.0 { 1.0 } else { 0.0 };
-                    // Densities of both halves of the draws.
-                    let share = above * 4.0 * cos.max(0.0) / (0.5 * density[j]).max(f32::MIN_POSITIVE);
-                    (seen.share[j], seen.reference[j]) = (share, share * mean[j]);
-                }
-            },
-        );
+        pulp::Arch::new().dispatch(Reference { seen: &mut seen, lobes, guess });
         seen
     }
 
