@@ -10,7 +10,7 @@ use glam::Vec3;
 use mipfold::compare::VIEWS;
 use mipfold::fold::{FOLDS, Fold, Options, chain};
 use mipfold::image::Size;
-use mipfold::material::{ChannelRef, Inputs, Material, RoughnessInput, Texels, load};
+use mipfold::material::{ChannelRef, Inputs, Material, RoughnessInput, Texels, base_lobes, load};
 use mipfold::ndf::{Axes, Form, Lobe, RoughnessTensor};
 use mipfold::random::{Random, Spread};
 use mipfold::reference::{Diffuse, Footprint, Queries, Reading};
@@ -24,6 +24,9 @@ const FORMS: [Form; 2] = [Form::Anisotropic, Form::Isotropic];
 /// Half vectors a view by which a lobe is searched, and others by which all are judged.
 const SEARCHED: usize = 512;
 const JUDGED: usize = 1024;
+/// Folds from which a search starts; it starts from the most alike of so many texels too.
+const STARTS: [&str; 3] = ["projected", "ggx", "ggx-lobe"];
+const TEXELS: usize = 16;
 
 /// A square of a map, with its own roughness or a constant alpha.
 struct Square<'a> {
@@ -65,8 +68,9 @@ fn means(footprint: &Footprint, queries: &Queries) -> mipfold::reference::Means 
 impl Error {
     fn new(footprint: &Footprint, lobes: &[Lobe], halves: usize, mut random: Random) -> Self {
         let own: Vec<Footprint> = lobes.iter().map(|lobe| Footprint::of_lobes(&[(*lobe, 1.0)])).collect();
-        let sources: Vec<(&Footprint, usize)> =
-            std::iter::once((footprint, halves / 2)).chain(own.iter().map(|f| (f, (halves / 2).div_ceil(own.len())))).collect();
+        let sources: Vec<(&Footprint, usize)> = std::iter::once((footprint, halves / 2))
+            .chain(own.iter().map(|f| (f, (halves / 2).div_ceil(own.len()))))
+            .collect();
         let mut spreads: Vec<Spread> = sources.iter().map(|_| Spread::new(&mut random)).collect();
         let mut queries = Queries::default();
         for (slant, around) in VIEWS {
@@ -188,21 +192,25 @@ fn contenders(form: Form) -> Vec<&'static Fold> {
 fn judge(square: &Square, map: usize, alpha: usize, seed: u64) -> Vec<Case> {
     let mut cases = Vec::new();
     for form in FORMS {
-        let folds = contenders(form);
+        let (folds, base) = (contenders(form), base_lobes(square, form));
         let chains: Vec<_> =
             folds.iter().map(|&fold| chain(square, &Options { fold, form, ..Options::default() })).collect();
         for level in LEVELS {
             let side = SIDE >> level;
             let mut random = Random::new(seed, level as u64);
-            let mut pick = || (random.uniform() * side as f64) as usize;
-            let (x, y) = (pick(), pick());
+            let [x, y] = [(); 2].map(|()| (random.uniform() * side as f64) as usize);
             let footprint = Footprint::of_texel(square, Reading::default(), 1, level, (x, y));
             let mut lobes: Vec<Lobe> = chains.iter().map(|chain| chain.levels[level - 1].lobes.at(x, y)).collect();
-            // Several starts, for there may be several minima.
+            // Several starts, for there may be several minima: some folds, and the most alike of some texels.
             let error = Error::new(&footprint, &lobes, SEARCHED, Random::new(seed, 100));
-            let starts = folds.iter().zip(&lobes).filter(|(fold, _)| ["projected", "ggx", "ggx-lobe"].contains(&fold.name));
+            let starts = folds.iter().zip(&lobes).filter(|(fold, _)| STARTS.contains(&fold.name));
             let found: Vec<Lobe> = starts.map(|(_, lobe)| error.best(form, *lobe)).collect();
+            let mut inside = |at: usize| (at << level) + (random.uniform() * (1 << level) as f64) as usize;
+            let texels: Vec<Lobe> = (0..TEXELS).map(|_| base.at(inside(x), inside(y))).collect();
+            let texel = texels.into_iter().min_by(|a, b| error.of(a).total_cmp(&error.of(b))).unwrap();
+            let error = Error::new(&footprint, &[texel], SEARCHED, Random::new(seed, 100));
             lobes.extend(found);
+            lobes.push(error.best(form, texel));
             let error = Error::new(&footprint, &lobes, JUDGED, Random::new(seed, 200));
             let mut errors: Vec<f64> = lobes.iter().map(|lobe| error.of(lobe)).collect();
             let best = errors.iter().copied().fold(f64::MAX, f64::min);
@@ -215,7 +223,8 @@ fn judge(square: &Square, map: usize, alpha: usize, seed: u64) -> Vec<Case> {
 }
 
 fn material(folder: &std::path::Path) -> (Material, bool) {
-    let file = |stem: &str| ["jpg", "png"].map(|end| folder.join(format!("{stem}.{end}"))).into_iter().find(|f| f.exists());
+    let file =
+        |stem: &str| ["jpg", "png"].map(|end| folder.join(format!("{stem}.{end}"))).into_iter().find(|f| f.exists());
     let roughness = file("roughness").map(|path| RoughnessInput::Roughness(ChannelRef { path, channel: None }));
     let own = roughness.is_some();
     let inputs = Inputs {
@@ -266,7 +275,9 @@ fn compare(maps: &[&str], alphas: &[Option<f32>], squares: usize) {
             let formulas = (0..folds.len()).filter(|i| !folds[*i].searches());
             formulas.min_by(|a, b| mean(cases, |c| c.errors[*a]).total_cmp(&mean(cases, |c| c.errors[*b]))).unwrap()
         };
-        println!("\n| {form:?}: alpha | best formula of moments | `ggx` | `ggx-lobe` | best lobe |\n|---|---|---|---|---|");
+        println!(
+            "\n| {form:?}: alpha | best formula of moments | `ggx` | `ggx-lobe` | best lobe |\n|---|---|---|---|---|"
+        );
         for (i, alpha) in alphas.iter().enumerate() {
             let of = |keep: &dyn Fn(&Case) -> bool| -> Vec<&Case> {
                 cases.iter().filter(|case| case.form == form && case.alpha == i && keep(case)).collect()
@@ -275,7 +286,12 @@ fn compare(maps: &[&str], alphas: &[Option<f32>], squares: usize) {
             let formula = best_formula(&all);
             let [f, g, s, b] = [formula, ggx, search, best].map(|k| mean(&all, |case| case.errors[k]));
             let name = alpha.map_or("the map's".into(), |alpha| alpha.to_string());
-            println!("| {name} | {f:.4} (`{}`) | {g:.4} ({:.3}) | {s:.4} ({:.3}) | {b:.4} |", folds[formula].name, g / b, s / b);
+            println!(
+                "| {name} | {f:.4} (`{}`) | {g:.4} ({:.3}) | {s:.4} ({:.3}) | {b:.4} |",
+                folds[formula].name,
+                g / b,
+                s / b
+            );
             let mut expect = |what: &str, good: bool| {
                 if !good {
                     faults.push(format!("{form:?}, alpha {name}: {what}"));

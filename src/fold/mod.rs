@@ -19,7 +19,7 @@ mod shape;
 mod toksvig;
 mod vmf;
 
-pub use chain::{Chain, Options, chain};
+pub use chain::{Chain, Options, chain, chain_telling};
 pub use level::Level;
 pub use rows::{LobeRow, MomentRow};
 pub use shape::{Tail, best_student};

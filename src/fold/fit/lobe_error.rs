@@ -6,10 +6,11 @@
 //! fixed places of low discrepancy: half of them drawn from the footprint, half from a first guess, weighted together by how
 //! densely both fall (Veach & Guibas 1995, balance heuristic).
 
+use std::cmp::Ordering;
 use std::f32::consts::PI;
 use std::sync::LazyLock;
 
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 
 use super::chunk::Atom;
 use crate::compare::VIEWS;
@@ -98,6 +99,8 @@ struct Seen {
 
 /// A footprint's lobe error, to be evaluated for many lobes.
 pub struct LobeError {
+    /// Those of the footprint, with their shares.
+    lobes: Vec<(f32, Candidate)>,
     seen: Vec<Seen>,
     /// Sum of f_ref.
     reflected: f32,
@@ -106,15 +109,19 @@ pub struct LobeError {
 impl LobeError {
     /// Of lane `lane` of a chunk's footprints; `guess` is a lobe near the ones that will be asked for.
     pub fn new(atoms: &[Atom], lane: usize, guess: Candidate) -> Self {
-        let mut lobes: Vec<(f32, Shaded)> = Vec::with_capacity(atoms.len());
+        // In an order of their own, so that neither theirs nor copies change what is drawn.
+        let mut atoms: Vec<&Atom> = atoms.iter().filter(|a| a.w[lane] > 0.0).collect();
+        let places = |a: &Atom| [a.x[lane], a.y[lane], a.l11[lane]];
+        atoms
+            .sort_by(|a, b| places(a).iter().zip(places(b)).fold(Ordering::Equal, |o, (a, b)| o.then(a.total_cmp(&b))));
+        let mut lobes: Vec<(f32, Candidate)> = Vec::with_capacity(atoms.len());
         let mut total = 0.0;
-        for a in atoms.iter().filter(|a| a.w[lane] > 0.0) {
+        for a in atoms {
             let (x, y, l11, l21, l22) = (a.x[lane], a.y[lane], a.l11[lane], a.l21[lane], a.l22[lane]);
             let scatter = RoughnessTensor { xx: l11 * l11, xy: l11 * l21, yy: l21 * l21 + l22 * l22 };
             // The area of texels, without the factor that fits take.
             let weight = a.w[lane] * (1.0 + x * x + y * y).sqrt();
-            let lobe = SlopeLobe { centre: glam::Vec2::new(x, y), scatter }.transported();
-            lobes.push((weight, Shaded::new(lobe)));
+            lobes.push((weight, SlopeLobe { centre: Vec2::new(x, y), scatter }.transported()));
             total += weight;
         }
         let mut upto = 0.0;
@@ -126,20 +133,26 @@ impl LobeError {
                 upto
             })
             .collect();
+        let shaded: Vec<(f32, Shaded)> = lobes.iter().map(|&(weight, lobe)| (weight, Shaded::new(lobe))).collect();
         let guess = Shaded::new(guess);
         let seen: Vec<Seen> = (0..VIEWS.len())
             .map(|view| {
                 let half: [Vec3; HALVES] = std::array::from_fn(|i| {
                     let place = PLACES[view][i];
-                    let chosen = ends.partition_point(|end| *end <= place.lobe).min(lobes.len().max(1) - 1);
-                    let from = if i < SHARED { lobes.get(chosen).map_or(&guess, |(_, lobe)| lobe) } else { &guess };
+                    let chosen = ends.partition_point(|end| *end <= place.lobe).min(shaded.len().max(1) - 1);
+                    let from = if i < SHARED { shaded.get(chosen).map_or(&guess, |(_, lobe)| lobe) } else { &guess };
                     from.draw(place)
                 });
-                Seen::new(direction(VIEWS[view]), &half, &lobes, &guess)
+                Seen::new(direction(VIEWS[view]), &half, &shaded, &guess)
             })
             .collect();
         let reflected = seen.iter().map(|seen| seen.reference.iter().sum::<f32>()).sum();
-        Self { seen, reflected }
+        Self { lobes, seen, reflected }
+    }
+
+    /// The footprint's own lobes.
+    pub fn lobes(&self) -> impl Iterator<Item = Candidate> {
+        self.lobes.iter().map(|(_, lobe)| *lobe)
     }
 
     /// The lobe error of a lobe, 0 to 2.

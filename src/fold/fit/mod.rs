@@ -6,8 +6,8 @@
 
 mod chunk;
 pub(super) mod lobe_error;
-pub(super) mod simplex;
 pub(super) mod scatter;
+pub(super) mod simplex;
 
 pub use chunk::{Atom, Chunk, Fit, Fitted, LANES, Lanes, Shape};
 pub(super) use chunk::{one, row};
