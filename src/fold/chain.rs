@@ -9,7 +9,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use rayon::prelude::*;
 
-use super::{DEFAULT_FOLD, Fold, Level, Method, level::Band};
+use super::{DEFAULT_FOLD, Fold, Level, Method, level::Band, slots};
 use crate::image::{Size, spans};
 use crate::material::Texels;
 use crate::moments::{Block, Layout, Needs, Quads, Scratch, TexelRows, UNUSABLE_WEIGHT, reduce_rows};
@@ -113,6 +113,9 @@ pub fn chain_telling(texels: &dyn Texels, options: &Options, done: &(dyn Fn(f64)
     for (k, level) in (trunk + 1..).zip(rest) {
         let keep = sources[k..].contains(&k);
         kept[k] = job.fold_level(level, kept[sources[k]].as_ref(), size.level(k), keep);
+    }
+    if options.lobes > 1 {
+        slots::order(&mut levels);
     }
     Chain { size, levels }
 }

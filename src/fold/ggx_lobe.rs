@@ -4,8 +4,8 @@ use glam::Vec3;
 
 use super::fit::lobe_error::{Candidate, LobeError};
 use super::fit::simplex::{Stop, minimise};
-use super::fit::{Atom, Chunk, Fitted, LANES, Shape, scatter};
-use super::{Fold, Method};
+use super::fit::{Atom, Chunk, Fitted, LANES, Shape};
+use super::{Fold, Method, ggx};
 use crate::ndf::{Form, Frame, RoughnessTensor};
 
 /// The GGX lobe of least lobe error: that of `ggx`, moved until it looks most like the footprint.
@@ -18,9 +18,6 @@ pub const FOLD: Fold = Fold {
 
 /// Lobes of a summary: twice as many a side as for `ggx`.
 const MOST: usize = 64;
-
-/// Steps of the fit that the search starts from.
-const STEPS: usize = 3;
 
 /// Lobe error below which nothing is searched: rounding alone may leave as much.
 const NOTHING: f32 = 2e-3;
@@ -44,12 +41,8 @@ const LEAST: f32 = 1e-12;
 const LOWEST: f32 = 1e-3;
 
 fn fit(chunk: &Chunk, shape: Shape, out: &mut [Fitted]) {
-    let mut estimate = scatter::start(&chunk.atoms);
-    for _ in 0..STEPS {
-        scatter::step(&chunk.atoms, shape.form, &mut estimate);
-    }
-    // One lobe; mixtures would be refined here, from the lobes of a start of their own.
-    out[0] = scatter::read_out(chunk, &estimate);
+    ggx::fit(chunk, shape, out);
+    // One lobe: of mixtures, all of a footprint's lobes would be refined together here.
     for i in 0..LANES {
         // At borders a footprint is repeated to fill the lanes.
         let from = if i > 0 && chunk.atoms.iter().all(|atom| same(atom, i)) { i - 1 } else { i };
@@ -60,22 +53,23 @@ fn fit(chunk: &Chunk, shape: Shape, out: &mut [Fitted]) {
 
 /// Whether footprint `i` has the lobe of the one before.
 fn same(atom: &Atom, i: usize) -> bool {
-    [&atom.w, &atom.x, &atom.y, &atom.l11, &atom.l21, &atom.l22].iter().all(|lanes| lanes[i] == lanes[i - 1])
+    [&atom.w, &atom.x, &atom.y, &atom.l11, &atom.l21, &atom.l22].iter().all(|lanes| lanes.0[i] == lanes.0[i - 1])
 }
 
 fn lane(fitted: &Fitted, i: usize) -> Candidate {
-    let [xx, xy, yy] = fitted.tensor.map(|v| v[i]);
-    (Vec3::from(fitted.normal.map(|v| v[i])), RoughnessTensor { xx, xy, yy })
+    let [xx, xy, yy] = fitted.tensor.map(|v| v.0[i]);
+    (Vec3::from(fitted.normal.map(|v| v.0[i])), RoughnessTensor { xx, xy, yy })
 }
 
 fn put(fitted: &mut Fitted, i: usize, (n, r): Candidate) {
-    (fitted.normal[0][i], fitted.normal[1][i], fitted.normal[2][i]) = (n.x, n.y, n.z);
-    (fitted.tensor[0][i], fitted.tensor[1][i], fitted.tensor[2][i]) = (r.xx, r.xy, r.yy);
+    fitted.normal.iter_mut().zip(n.to_array()).for_each(|(lanes, v)| lanes.0[i] = v);
+    fitted.tensor.iter_mut().zip([r.xx, r.xy, r.yy]).for_each(|(lanes, v)| lanes.0[i] = v);
 }
 
 /// The lobe that looks most like a footprint, searched from `start`; that one where none is noticeably better.
 fn refine(atoms: &[Atom], i: usize, form: Form, start: Candidate) -> Candidate {
-    let mut parts = atoms.iter().filter(|a| a.w[i] > 0.0).map(|a| [a.x[i], a.y[i], a.l11[i], a.l21[i], a.l22[i]]);
+    let mut parts =
+        atoms.iter().filter(|a| a.w.0[i] > 0.0).map(|a| [a.x.0[i], a.y.0[i], a.l11.0[i], a.l21.0[i], a.l22.0[i]]);
     let one = parts.next();
     if parts.all(|other| Some(other) == one) {
         return start;

@@ -16,6 +16,7 @@ mod projected;
 mod rows;
 mod sggx;
 mod shape;
+mod slots;
 mod toksvig;
 mod vmf;
 

@@ -2,14 +2,9 @@
 
 use glam::Vec3;
 
+use super::lanes::{LANES, Lanes};
 use crate::ndf::{Form, Lobe, MOST_LOBES, RoughnessTensor, SlopeLobe};
 use crate::summary::{Entry, Summaries};
-
-/// Footprints in a chunk.
-pub const LANES: usize = 8;
-
-/// A number for each footprint of a chunk.
-pub type Lanes = [f32; LANES];
 
 /// A lobe of each footprint, ready for fits: the scatter as its Cholesky factor, `P = L L^T`.
 ///
@@ -20,6 +15,8 @@ pub type Lanes = [f32; LANES];
 pub struct Atom {
     /// Weight.
     pub w: Lanes,
+    /// Area over weight: 1 / n_z.
+    pub tilt: Lanes,
     /// Centre.
     pub x: Lanes,
     /// Centre.
@@ -72,8 +69,16 @@ impl Atom {
         let l21 = xy / l11;
         // At least a thousandth of the width across: rounding could leave nothing.
         let l22 = (yy - l21 * l21).max(1e-6 * yy).sqrt();
-        (self.w[i], self.x[i], self.y[i]) = (w / (1.0 + x * x + y * y).sqrt(), x, y);
-        (self.l11[i], self.l21[i], self.l22[i]) = (l11, l21, l22);
+        let tilt = (1.0 + x * x + y * y).sqrt();
+        (self.w.0[i], self.tilt.0[i], self.x.0[i], self.y.0[i]) = (w / tilt, tilt, x, y);
+        (self.l11.0[i], self.l21.0[i], self.l22.0[i]) = (l11, l21, l22);
+    }
+
+    /// The scatter xx xy yy.
+    #[inline(always)]
+    pub fn scatter(&self) -> [Lanes; 3] {
+        let Self { l11, l21, l22, .. } = *self;
+        [l11 * l11, l11 * l21, l21 * l21 + l22 * l22]
     }
 
     /// A lobe of footprint `i`.
@@ -99,7 +104,7 @@ impl Chunk {
             let n = Vec3::from(normals.map(|row| row[(x + i).min(last)]));
             // A mean too short to have a direction points up.
             let n = n.try_normalize().unwrap_or(Vec3::Z);
-            (self.normal[0][i], self.normal[1][i], self.normal[2][i]) = (n.x, n.y, n.z);
+            (self.normal[0].0[i], self.normal[1].0[i], self.normal[2].0[i]) = (n.x, n.y, n.z);
         }
     }
 }
@@ -121,18 +126,16 @@ pub fn row(
         let mut fitted = [Fitted::default(); MOST_LOBES];
         pulp::Arch::new().dispatch(
             #[inline(always)]
-            || {
-                chunk.gather(from, y, x, normals);
-                fit(&chunk, shape, &mut fitted[..count]);
-            },
+            || chunk.gather(from, y, x, normals),
         );
+        fit(&chunk, shape, &mut fitted[..count]);
         for i in 0..LANES.min(from.width() - x) {
             for (j, fitted) in fitted[..count].iter().enumerate() {
                 let Lobe { normal: n, roughness: r } = fitted.lobe(i);
                 let planes = &mut planes[j * stride..][..stride];
                 let values = match form {
-                    Form::Isotropic => [n.x, n.y, n.z, r.mean(), fitted.weight[i], 0.0, 0.0],
-                    Form::Anisotropic => [n.x, n.y, n.z, r.xx, r.xy, r.yy, fitted.weight[i]],
+                    Form::Isotropic => [n.x, n.y, n.z, r.mean(), fitted.weight.0[i], 0.0, 0.0],
+                    Form::Anisotropic => [n.x, n.y, n.z, r.xx, r.xy, r.yy, fitted.weight.0[i]],
                 };
                 planes.iter_mut().zip(values).for_each(|(plane, v)| plane[x + i] = v);
             }
@@ -142,21 +145,21 @@ pub fn row(
 
 /// Fits a single footprint: lobes with weights.
 pub fn one(fit: Fit, shape: Shape, count: usize, entries: &[Entry], normal: Vec3) -> Vec<(Lobe, f32)> {
-    let mut chunk = Chunk { normal: normal.to_array().map(|v| [v; LANES]), ..Chunk::default() };
+    let mut chunk = Chunk { normal: normal.to_array().map(Lanes::all), ..Chunk::default() };
     chunk.atoms.resize(entries.len(), Atom::default());
     for (atom, entry) in chunk.atoms.iter_mut().zip(entries) {
         (0..LANES).for_each(|i| atom.set_lane(i, entry));
     }
     let mut fitted = [Fitted::default(); MOST_LOBES];
     fit(&chunk, shape, &mut fitted[..count]);
-    fitted[..count].iter().map(|fitted| (fitted.lobe(0), fitted.weight[0])).collect()
+    fitted[..count].iter().map(|fitted| (fitted.lobe(0), fitted.weight.0[0])).collect()
 }
 
 impl Fitted {
     /// The lobe of a footprint.
     pub fn lobe(&self, i: usize) -> Lobe {
-        let normal = Vec3::from(self.normal.map(|v| v[i]));
-        let [xx, xy, yy] = self.tensor.map(|v| v[i]);
+        let normal = Vec3::from(self.normal.map(|v| v.0[i]));
+        let [xx, xy, yy] = self.tensor.map(|v| v.0[i]);
         Lobe { normal, roughness: RoughnessTensor { xx, xy, yy }.to_bent(normal) }
     }
 }

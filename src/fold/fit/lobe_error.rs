@@ -110,18 +110,18 @@ impl LobeError {
     /// Of lane `lane` of a chunk's footprints; `guess` is a lobe near the ones that will be asked for.
     pub fn new(atoms: &[Atom], lane: usize, guess: Candidate) -> Self {
         // In an order of their own, so that neither theirs nor copies change what is drawn.
-        let mut atoms: Vec<&Atom> = atoms.iter().filter(|a| a.w[lane] > 0.0).collect();
-        let places = |a: &Atom| [a.x[lane], a.y[lane], a.l11[lane]];
+        let mut atoms: Vec<&Atom> = atoms.iter().filter(|a| a.w.0[lane] > 0.0).collect();
+        let places = |a: &Atom| [a.x.0[lane], a.y.0[lane], a.l11.0[lane]];
         atoms
             .sort_by(|a, b| places(a).iter().zip(places(b)).fold(Ordering::Equal, |o, (a, b)| o.then(a.total_cmp(&b))));
         let mut lobes: Vec<(f32, Candidate)> = Vec::with_capacity(atoms.len());
         let mut total = 0.0;
         for a in atoms {
-            let (x, y, l11, l21, l22) = (a.x[lane], a.y[lane], a.l11[lane], a.l21[lane], a.l22[lane]);
-            let scatter = RoughnessTensor { xx: l11 * l11, xy: l11 * l21, yy: l21 * l21 + l22 * l22 };
+            let [xx, xy, yy] = a.scatter().map(|lanes| lanes.0[lane]);
+            let (centre, scatter) = (Vec2::new(a.x.0[lane], a.y.0[lane]), RoughnessTensor { xx, xy, yy });
             // The area of texels, without the factor that fits take.
-            let weight = a.w[lane] * (1.0 + x * x + y * y).sqrt();
-            lobes.push((weight, SlopeLobe { centre: Vec2::new(x, y), scatter }.transported()));
+            let weight = a.w.0[lane] * a.tilt.0[lane];
+            lobes.push((weight, SlopeLobe { centre, scatter }.transported()));
             total += weight;
         }
         let mut upto = 0.0;

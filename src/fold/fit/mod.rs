@@ -5,9 +5,13 @@
 //! products and sums, so every clone gives the same bits.
 
 mod chunk;
+mod lanes;
 pub(super) mod lobe_error;
+pub(super) mod mixture;
 pub(super) mod scatter;
+mod seed;
 pub(super) mod simplex;
 
-pub use chunk::{Atom, Chunk, Fit, Fitted, LANES, Lanes, Shape};
+pub use chunk::{Atom, Chunk, Fit, Fitted, Shape};
 pub(super) use chunk::{one, row};
+pub use lanes::{LANES, Lanes};

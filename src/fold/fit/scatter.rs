@@ -10,16 +10,19 @@
 //! are taken at eight nodes: two rings, at the radii of the two Gauss-Legendre points of the radial distribution, of four
 //! nodes each. They give a single lobe back exactly, and are exact for lobes that are narrow beside the whole.
 
+use std::f32::consts::FRAC_1_SQRT_2;
+
 use glam::{Vec2, Vec3};
 
-use super::chunk::{Atom, Chunk, Fitted, LANES, Lanes};
+use super::chunk::{Atom, Fitted};
+use super::lanes::{LANES, Lanes};
 use crate::ndf::{Form, RoughnessTensor, SlopeLobe};
 
 /// Squared radii of the rings: `u / (1 - u)` at `u = 1/2 -+ 1/(2 sqrt 3)`, so `2 -+ sqrt 3`.
 const RING2: [f32; 2] = [0.267_949_2, 3.732_050_8];
 
 /// Radii of the rings.
-const RING: [f32; 2] = [0.517_638_1, 1.931_851_7];
+pub(super) const RING: [f32; 2] = [0.517_638_1, 1.931_851_7];
 
 /// Lobes far out count less, by this power of their mean w: the estimate leans from that of Kullback and Leibler, which
 /// follows every outlier, towards robust ones, which lie closer in lobe error. On real maps powers from 0.35 to 0.5 did
@@ -33,7 +36,7 @@ const THINNEST: f32 = 1e-5;
 /// leaves the range of f32.
 const LEAST: f32 = 1e-12;
 
-/// The estimate so far.
+/// The estimate so far: centre and scatter.
 #[derive(Clone, Copy, Default)]
 pub struct Estimate {
     /// Centre.
@@ -48,182 +51,218 @@ pub struct Estimate {
     pub yy: Lanes,
 }
 
+/// The inverse of a scatter.
+#[derive(Clone, Copy, Default)]
+pub struct Metric {
+    /// Inverse.
+    pub xx: Lanes,
+    /// Inverse.
+    pub xy: Lanes,
+    /// Inverse.
+    pub yy: Lanes,
+    /// Root of its determinant.
+    pub root: Lanes,
+}
+
+impl Metric {
+    /// Of the scatter of an estimate, which is given the least width across if rounding has left none.
+    #[inline(always)]
+    pub fn new(e: &mut Estimate) -> Self {
+        (e.xx, e.yy) = (e.xx.max(LEAST), e.yy.max(LEAST));
+        let product = e.xx * e.yy;
+        let most = (1.0 - THINNEST) * product * (e.xy * e.xy).max(f32::MIN_POSITIVE).inverse();
+        e.xy *= most.sqrt().min(1.0);
+        let inverse = (product - e.xy * e.xy).inverse();
+        Self { xx: e.yy * inverse, xy: -(e.xy * inverse), yy: e.xx * inverse, root: inverse.sqrt() }
+    }
+}
+
+/// An atom seen from an estimate: its distance, and its axes `v = L q` for orthogonal q, of which the first points where w
+/// changes most, so that turning the footprint turns the nodes.
+pub struct Seen {
+    /// Centre minus centre.
+    pub d: [Lanes; 2],
+    /// `1 + d^T P^-1 d`.
+    pub far: Lanes,
+    /// How fast that grows along the first axis, halved.
+    pub slope: Lanes,
+    /// First axis.
+    pub a: [Lanes; 2],
+    /// Second axis.
+    pub b: [Lanes; 2],
+}
+
+impl Seen {
+    #[inline(always)]
+    pub fn new(atom: &Atom, e: &Estimate, m: &Metric) -> Self {
+        let (dx, dy) = (atom.x - e.x, atom.y - e.y);
+        let (mx, my) = (m.xx * dx + m.xy * dy, m.xy * dx + m.yy * dy);
+        // Products stay in the range of f32 even for a smooth lobe seen from the horizon.
+        let bounded = |b: Lanes| b.max(-1e18).min(1e18);
+        let (b1, b2) = (bounded(atom.l11 * mx + atom.l21 * my), bounded(atom.l22 * my));
+        let slope = (b1 * b1 + b2 * b2).sqrt();
+        let inverse = slope.max(f32::MIN_POSITIVE).inverse();
+        let zero = Lanes::default();
+        let cos = slope.above(zero, b1 * inverse, Lanes::all(1.0));
+        let sin = b2 * inverse;
+        let a = [atom.l11 * cos, atom.l21 * cos + atom.l22 * sin];
+        let b = [-(atom.l11 * sin), atom.l22 * cos - atom.l21 * sin];
+        Self { d: [dx, dy], far: dx * mx + dy * my + 1.0, slope, a, b }
+    }
+}
+
 /// A start that needs no iteration: the mean slope, and the second moments about it, each weighed by the inverse of its
 /// root: those of absolute values, which GGX has, where it has no second moments. A single lobe is its own start.
+/// `weight` is that of an atom.
 #[inline(always)]
-pub fn start(atoms: &[Atom]) -> Estimate {
-    let mut weight = [0.0; LANES];
+pub fn start(atoms: &[Atom], weight: impl Fn(usize) -> Lanes) -> Estimate {
+    let mut all = Lanes::default();
     let mut e = Estimate::default();
-    for a in atoms {
-        for i in 0..LANES {
-            weight[i] += a.w[i];
-            e.x[i] += a.w[i] * a.x[i];
-            e.y[i] += a.w[i] * a.y[i];
-        }
+    for (k, a) in atoms.iter().enumerate() {
+        let w = weight(k);
+        all += w;
+        e.x += w * a.x;
+        e.y += w * a.y;
     }
-    for i in 0..LANES {
-        weight[i] = 1.0 / weight[i];
-        (e.x[i], e.y[i]) = (e.x[i] * weight[i], e.y[i] * weight[i]);
+    let inverse = all.max(f32::MIN_POSITIVE).inverse();
+    (e.x, e.y) = (e.x * inverse, e.y * inverse);
+    let mut length = Lanes::default();
+    for (k, a) in atoms.iter().enumerate() {
+        let (dx, dy, w) = (a.x - e.x, a.y - e.y, weight(k) * inverse);
+        let [xx, xy, yy] = a.scatter();
+        let (xx, xy, yy) = (xx + dx * dx, xy + dx * dy, yy + dy * dy);
+        let root = (0.5 * (xx + yy)).sqrt();
+        let share = w * root.max(f32::MIN_POSITIVE).inverse();
+        length += w * root;
+        e.xx += share * xx;
+        e.xy += share * xy;
+        e.yy += share * yy;
     }
-    let mut length = [0.0; LANES];
-    for a in atoms {
-        for i in 0..LANES {
-            let (dx, dy, w) = (a.x[i] - e.x[i], a.y[i] - e.y[i], a.w[i] * weight[i]);
-            let (l11, l21, l22) = (a.l11[i], a.l21[i], a.l22[i]);
-            let (xx, xy, yy) = (l11 * l11 + dx * dx, l11 * l21 + dx * dy, l21 * l21 + l22 * l22 + dy * dy);
-            let root = (0.5 * (xx + yy)).sqrt();
-            let share = w / root;
-            length[i] += w * root;
-            e.xx[i] += share * xx;
-            e.xy[i] += share * xy;
-            e.yy[i] += share * yy;
-        }
-    }
-    for i in 0..LANES {
-        (e.xx[i], e.xy[i], e.yy[i]) = (e.xx[i] * length[i], e.xy[i] * length[i], e.yy[i] * length[i]);
-    }
+    (e.xx, e.xy, e.yy) = (e.xx * length, e.xy * length, e.yy * length);
     e
 }
 
 /// One step.
 #[inline(always)]
 pub fn step(atoms: &[Atom], form: Form, e: &mut Estimate) {
-    // Inverse of the scatter.
-    let (mut mxx, mut mxy, mut myy) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
-    for i in 0..LANES {
-        // Rounding must leave a width across.
-        (e.xx[i], e.yy[i]) = (e.xx[i].max(LEAST), e.yy[i].max(LEAST));
-        let product = e.xx[i] * e.yy[i];
-        e.xy[i] *= ((1.0 - THINNEST) * product / (e.xy[i] * e.xy[i]).max(f32::MIN_POSITIVE)).sqrt().min(1.0);
-        let inverse = 1.0 / (product - e.xy[i] * e.xy[i]);
-        (mxx[i], mxy[i], myy[i]) = (e.yy[i] * inverse, -e.xy[i] * inverse, e.xx[i] * inverse);
-    }
+    let m = Metric::new(e);
     // Sums of w, w d, w d d^T; the parts of tr(P^-1 w d d^T) that lie between atoms and in all.
-    let mut sums = [[0.0; LANES]; 8];
-    for a in atoms {
-        for i in 0..LANES {
-            let (dx, dy) = (a.x[i] - e.x[i], a.y[i] - e.y[i]);
-            let (l11, l21, l22) = (a.l11[i], a.l21[i], a.l22[i]);
-            let (xx, xy, yy) = (mxx[i], mxy[i], myy[i]);
-            let (mx, my) = (xx * dx + xy * dy, xy * dx + yy * dy);
-            let far = 1.0 + dx * mx + dy * my;
-            // Axes of the atom, v = L q for orthogonal q, of which the first points where w changes most, so that turning
-            // the footprint turns the nodes.
-            // Their products stay in the range of f32 even for a smooth lobe seen from the horizon.
-            let bounded = |b: f32| b.max(-1e18).min(1e18);
-            let (b1, b2) = (bounded(l11 * mx + l21 * my), bounded(l22 * my));
-            let b = (b1 * b1 + b2 * b2).sqrt();
-            let inverse = 1.0 / b.max(f32::MIN_POSITIVE);
-            let (cos, sin) = if b > 0.0 { (b1 * inverse, b2 * inverse) } else { (1.0, 0.0) };
-            let (ax, ay) = (l11 * cos, l21 * cos + l22 * sin);
-            let (bx, by) = (-l11 * sin, l22 * cos - l21 * sin);
-            let (ux, uy) = (xx * ax + xy * ay, xy * ax + yy * ay);
-            let (q11, q12) = (ax * ux + ay * uy, bx * ux + by * uy);
-            let q22 = bx * (xx * bx + xy * by) + by * (xy * bx + yy * by);
-            // w at opposite nodes d +- v: their sum and their difference.
-            let pair = |q: f32, b: f32| {
-                let a = far + q;
-                // Rounding must not make the farther one negative.
-                let low = (a - 2.0 * b).max(1e-6 * a);
-                let inverse = 1.0 / (low * (a + 2.0 * b));
-                (2.0 * a * inverse, -4.0 * b * inverse)
-            };
-            let (r1, half) = (RING[0], 0.5 * RING2[1]);
-            let r2 = std::f32::consts::FRAC_1_SQRT_2 * RING[1];
-            let (w1, v1) = pair(RING2[0] * q11, r1 * b);
-            let w2 = 2.0 / (far + RING2[0] * q22);
-            let (w3, v3) = pair(half * (q11 + q22 + 2.0 * q12), r2 * b);
-            let (w4, v4) = pair(half * (q11 + q22 - 2.0 * q12), r2 * b);
-            let all = (w1 + w2) + (w3 + w4);
-            let outer = half * (w3 + w4);
-            let (c11, c12, c22) = (RING2[0] * w1 + outer, half * (w3 - w4), RING2[0] * w2 + outer);
-            let (e1, e2) = (r1 * v1 + r2 * (v3 + v4), r2 * (v3 - v4));
-            let (ex, ey) = (ax * e1 + bx * e2, ay * e1 + by * e2);
-            let g = a.w[i] * (0.125 * all).sqrt();
-            let sxx = all * dx * dx + 2.0 * dx * ex + c11 * ax * ax + 2.0 * c12 * ax * bx + c22 * bx * bx;
-            let sxy = all * dx * dy + dx * ey + dy * ex + c11 * ax * ay + c12 * (ax * by + ay * bx) + c22 * bx * by;
-            let syy = all * dy * dy + 2.0 * dy * ey + c11 * ay * ay + 2.0 * c12 * ay * by + c22 * by * by;
-            sums[0][i] += g * all;
-            sums[1][i] += g * (all * dx + ex);
-            sums[2][i] += g * (all * dy + ey);
-            sums[3][i] += g * sxx;
-            sums[4][i] += g * sxy;
-            sums[5][i] += g * syy;
-            sums[6][i] += g * all * (far - 1.0);
-            sums[7][i] += g * (xx * sxx + 2.0 * xy * sxy + yy * syy);
-        }
-    }
-    for i in 0..LANES {
-        let [weight, x, y, xx, xy, yy, between, whole] = sums.map(|s| s[i]);
-        let inverse = 1.0 / weight.max(f32::MIN_POSITIVE);
-        let (x, y) = (x * inverse, y * inverse);
-        // Leaning takes width away. Of narrow atoms that make up the density that should come out, w is uniform in 0..1, so
-        // that P = 2 (1 + LEAN) E[w^LEAN w d d^T] / E[w^LEAN w]; for a single atom nothing leans, and for a slight smear
-        // as good as nothing.
-        let apart = (between / whole.max(f32::MIN_POSITIVE)).min(1.0);
-        let scale = 2.0 * (1.0 + LEAN * apart * apart) * inverse;
-        let usable = weight > 0.0;
-        let scatter = RoughnessTensor {
-            xx: scale * xx - scale * weight * x * x,
-            xy: scale * xy - scale * weight * x * y,
-            yy: scale * yy - scale * weight * y * y,
+    let mut sums = [Lanes::default(); 8];
+    for atom in atoms {
+        let Seen { d: [dx, dy], far, slope, a: [ax, ay], b: [bx, by] } = Seen::new(atom, e, &m);
+        let (ux, uy) = (m.xx * ax + m.xy * ay, m.xy * ax + m.yy * ay);
+        let (q11, q12) = (ax * ux + ay * uy, bx * ux + by * uy);
+        let q22 = bx * (m.xx * bx + m.xy * by) + by * (m.xy * bx + m.yy * by);
+        // w at opposite nodes d +- v: their sum and their difference.
+        let pair = |q: Lanes, b: Lanes| {
+            let a = far + q;
+            // Rounding must not make the farther one negative.
+            let (low, least) = (a - 2.0 * b, 1e-6 * a);
+            let low = low.above(least, low, least);
+            let inverse = (low * (a + 2.0 * b)).inverse();
+            (2.0 * a * inverse, -4.0 * b * inverse)
         };
-        e.x[i] += if usable { x } else { 0.0 };
-        e.y[i] += if usable { y } else { 0.0 };
-        let scatter = match form {
-            Form::Anisotropic => scatter,
-            Form::Isotropic => round(Vec2::new(e.x[i], e.y[i]), scatter),
-        };
-        if usable {
-            (e.xx[i], e.xy[i], e.yy[i]) = (scatter.xx, scatter.xy, scatter.yy);
-        }
+        let (r1, half) = (RING[0], 0.5 * RING2[1]);
+        let r2 = FRAC_1_SQRT_2 * RING[1];
+        let (w1, v1) = pair(RING2[0] * q11, r1 * slope);
+        let w2 = 2.0 * (far + RING2[0] * q22).inverse();
+        let (w3, v3) = pair(half * (q11 + q22 + 2.0 * q12), r2 * slope);
+        let (w4, v4) = pair(half * (q11 + q22 - 2.0 * q12), r2 * slope);
+        let all = (w1 + w2) + (w3 + w4);
+        let outer = half * (w3 + w4);
+        let (c11, c12, c22) = (RING2[0] * w1 + outer, half * (w3 - w4), RING2[0] * w2 + outer);
+        let (e1, e2) = (r1 * v1 + r2 * (v3 + v4), r2 * (v3 - v4));
+        let (ex, ey) = (ax * e1 + bx * e2, ay * e1 + by * e2);
+        let g = atom.w * (0.125 * all).sqrt();
+        let sxx = all * dx * dx + 2.0 * dx * ex + c11 * ax * ax + 2.0 * c12 * ax * bx + c22 * bx * bx;
+        let sxy = all * dx * dy + dx * ey + dy * ex + c11 * ax * ay + c12 * (ax * by + ay * bx) + c22 * bx * by;
+        let syy = all * dy * dy + 2.0 * dy * ey + c11 * ay * ay + 2.0 * c12 * ay * by + c22 * by * by;
+        sums[0] += g * all;
+        sums[1] += g * (all * dx + ex);
+        sums[2] += g * (all * dy + ey);
+        sums[3] += g * sxx;
+        sums[4] += g * sxy;
+        sums[5] += g * syy;
+        sums[6] += g * all * (far + -1.0);
+        sums[7] += g * (m.xx * sxx + 2.0 * m.xy * sxy + m.yy * syy);
     }
+    let [weight, x, y, xx, xy, yy, between, whole] = sums;
+    let inverse = weight.max(f32::MIN_POSITIVE).inverse();
+    let (x, y) = (x * inverse, y * inverse);
+    // Leaning takes width away. Of narrow atoms that make up the density that should come out, w is uniform in 0..1, so
+    // that P = 2 (1 + LEAN) E[w^LEAN w d d^T] / E[w^LEAN w]; for a single atom nothing leans, and for a slight smear
+    // as good as nothing.
+    let apart = (between * whole.max(f32::MIN_POSITIVE).inverse()).min(1.0);
+    let scale = 2.0 * (LEAN * apart * apart + 1.0);
+    let mut next = *e;
+    (next.x, next.y) = (e.x + x, e.y + y);
+    next.xx = scale * (xx * inverse - x * x);
+    next.xy = scale * (xy * inverse - x * y);
+    next.yy = scale * (yy * inverse - y * y);
+    next.settle(form, weight, Lanes::default(), e);
 }
 
-/// The scatter of a lobe of one width about a centre: the mean of another scatter in its metric.
-///
-/// Such a lobe has the scatter alpha^2 / S_zz^2 along the tilt and alpha^2 / S_zz across it, `S_zz = alpha^2 +
-/// (1 - alpha^2) n_z^2`.
-#[inline(always)]
-fn round(centre: Vec2, p: RoughnessTensor) -> RoughnessTensor {
-    let length2 = centre.x * centre.x + centre.y * centre.y;
-    let inverse = 1.0 / length2.max(f32::MIN_POSITIVE);
-    let along = (p.xx * centre.x * centre.x + 2.0 * p.xy * centre.x * centre.y + p.yy * centre.y * centre.y) * inverse;
-    let along = if length2 > 0.0 { along } else { p.mean() };
-    let across = p.xx + p.yy - along;
-    // alpha^2 enters S_zz. Begun from that of a round lobe, which is exact for one, a few rounds settle it.
-    let mut zz = (across / along.max(f32::MIN_POSITIVE)).clamp(1e-6, 1.0);
-    let mut alpha2 = 0.0;
-    for _ in 0..3 {
-        alpha2 = (0.5 * (along * zz * zz + across * zz)).min(1.0);
-        zz = upright(alpha2, length2);
+impl Estimate {
+    /// Becomes the estimate, of one width if that is asked for, where there is more weight than `least`.
+    #[inline(always)]
+    pub fn settle(mut self, form: Form, weight: Lanes, least: Lanes, out: &mut Self) {
+        if form == Form::Isotropic {
+            self.round();
+        }
+        out.x = weight.above(least, self.x, out.x);
+        out.y = weight.above(least, self.y, out.y);
+        out.xx = weight.above(least, self.xx, out.xx);
+        out.xy = weight.above(least, self.xy, out.xy);
+        out.yy = weight.above(least, self.yy, out.yy);
     }
-    let (a, c) = (alpha2 / (zz * zz), alpha2 / zz);
-    let k = (a - c) * inverse;
-    let k = if length2 > 0.0 { k } else { 0.0 };
-    RoughnessTensor { xx: c + k * centre.x * centre.x, xy: k * centre.x * centre.y, yy: c + k * centre.y * centre.y }
+
+    /// Takes the scatter of a lobe of one width about this centre: the mean of its own in that one's metric.
+    ///
+    /// Such a lobe has the scatter alpha^2 / S_zz^2 along the tilt and alpha^2 / S_zz across it, `S_zz = alpha^2 +
+    /// (1 - alpha^2) n_z^2`.
+    #[inline(always)]
+    fn round(&mut self) {
+        let Self { x, y, xx, xy, yy } = *self;
+        let (zero, length2) = (Lanes::default(), x * x + y * y);
+        let inverse = length2.max(f32::MIN_POSITIVE).inverse();
+        let along = (xx * x * x + 2.0 * xy * x * y + yy * y * y) * inverse;
+        let along = length2.above(zero, along, 0.5 * (xx + yy));
+        let across = xx + yy - along;
+        // alpha^2 enters S_zz. Begun from that of a round lobe, which is exact for one, a few rounds settle it.
+        let mut zz = (across * along.max(f32::MIN_POSITIVE).inverse()).max(1e-6).min(1.0);
+        let mut alpha2 = zero;
+        for _ in 0..3 {
+            alpha2 = (0.5 * (along * zz * zz + across * zz)).min(1.0);
+            zz = upright(alpha2, length2);
+        }
+        let inverse_zz = zz.inverse();
+        let c = alpha2 * inverse_zz;
+        let a = c * inverse_zz;
+        let k = length2.above(zero, (a - c) * inverse, zero);
+        (self.xx, self.xy, self.yy) = (c + k * x * x, k * x * y, c + k * y * y);
+    }
 }
 
 /// S_zz of the lobe of one width whose centre has this squared length: `|u| = (1 - a) t / (1 + a t^2)` for the slope t of
 /// its normal.
 #[inline(always)]
-fn upright(alpha2: f32, length2: f32) -> f32 {
-    let rest = 1.0 - alpha2;
+fn upright(alpha2: Lanes, length2: Lanes) -> Lanes {
+    let rest = -alpha2 + 1.0;
     let root = (rest * rest - 4.0 * alpha2 * length2).max(0.0).sqrt();
-    let t2 = 4.0 * length2 / ((rest + root) * (rest + root)).max(1e-6);
-    (1.0 + alpha2 * t2) / (1.0 + t2)
+    let t2 = 4.0 * length2 * ((rest + root) * (rest + root)).max(1e-6).inverse();
+    (alpha2 * t2 + 1.0) * (t2 + 1.0).inverse()
 }
 
-/// Reads an estimate out as lobes near the mean normals.
+/// Reads an estimate out as lobes whose normals lie near others, unit or not.
 #[inline(always)]
-pub fn read_out(chunk: &Chunk, e: &Estimate) -> Fitted {
-    let mut out = Fitted { weight: [1.0; LANES], ..Fitted::default() };
+pub fn read_out(e: &Estimate, near: &[Lanes; 3], weight: Lanes) -> Fitted {
+    let mut out = Fitted { weight, ..Fitted::default() };
     for i in 0..LANES {
-        let scatter = RoughnessTensor { xx: e.xx[i], xy: e.xy[i], yy: e.yy[i] };
-        let near = Vec3::new(chunk.normal[0][i], chunk.normal[1][i], chunk.normal[2][i]);
-        let (n, r) = SlopeLobe { centre: Vec2::new(e.x[i], e.y[i]), scatter }.near(near);
-        (out.normal[0][i], out.normal[1][i], out.normal[2][i]) = (n.x, n.y, n.z);
-        (out.tensor[0][i], out.tensor[1][i], out.tensor[2][i]) = (r.xx, r.xy, r.yy);
+        let scatter = RoughnessTensor { xx: e.xx.0[i], xy: e.xy.0[i], yy: e.yy.0[i] };
+        let near = Vec3::from(near.map(|v| v.0[i]));
+        let (n, r) = SlopeLobe { centre: Vec2::new(e.x.0[i], e.y.0[i]), scatter }.near(near);
+        (out.normal[0].0[i], out.normal[1].0[i], out.normal[2].0[i]) = (n.x, n.y, n.z);
+        (out.tensor[0].0[i], out.tensor[1].0[i], out.tensor[2].0[i]) = (r.xx, r.xy, r.yy);
     }
     out
 }
