@@ -1,8 +1,10 @@
 //! One material from inputs to files.
 
+use std::sync::atomic::{AtomicUsize, Ordering};
+
 use indicatif::ProgressBar;
 
-use super::report::Built;
+use super::report::{Built, Portion};
 use crate::error::Result;
 use crate::fold::{Chain, Options};
 use crate::material::{Inputs, Material, ReadPicture, Texels, load_with};
@@ -57,12 +59,14 @@ impl Job<'_> {
         if dry_run {
             return Ok(Done { material, options, chain: None, built });
         }
-        bar.inc_length(plan.outputs.len() as u64 + 1);
+        let (folding, writing) = (Portion::on(bar), Portion::on(bar));
         bar.set_message(format!("folding {name}"));
-        let chain = fold_for(&material, &options, &request.extras);
-        bar.inc(1);
+        let chain = fold_for(&material, &options, &request.extras, &|share| folding.show(share));
         bar.set_message(format!("writing {name}"));
-        write(&material, &chain, &options, &plan, request, &|| bar.inc(1))?;
+        folding.show(1.0);
+        let (files, written) = (plan.outputs.len(), AtomicUsize::new(0));
+        let tell = || writing.show((written.fetch_add(1, Ordering::Relaxed) + 1) as f64 / files as f64);
+        write(&material, &chain, &options, &plan, request, &tell)?;
         Ok(Done { material, options, chain: Some(chain), built })
     }
 

@@ -3,6 +3,7 @@
 use std::cell::Cell;
 use std::io::{ErrorKind, IsTerminal, Write};
 use std::process::ExitCode;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde::Serialize;
@@ -71,8 +72,7 @@ impl Report {
 
     /// Room on the bar for one more piece of work, of which only the share that is done is known.
     pub fn portion(&self) -> Portion {
-        self.progress.inc_length(Portion::STEPS);
-        Portion { bar: self.progress.clone(), start: self.progress.position() }
+        Portion::on(&self.progress)
     }
 
     /// A line for people.
@@ -164,18 +164,28 @@ impl Report {
     }
 }
 
-/// A piece of work on the bar.
+/// A piece of work on the bar; others may move it at the same time.
 pub struct Portion {
     bar: ProgressBar,
-    start: u64,
+    shown: AtomicU64,
 }
 
 impl Portion {
     /// As fine as a bar of 30 characters can show.
     const STEPS: u64 = 100;
 
+    /// Room on a bar.
+    pub fn on(bar: &ProgressBar) -> Self {
+        bar.inc_length(Self::STEPS);
+        Self { bar: bar.clone(), shown: AtomicU64::new(0) }
+    }
+
     /// Shows the share that is done, 0 to 1.
     pub fn show(&self, share: f64) {
-        self.bar.set_position(self.start + (share.clamp(0.0, 1.0) * Self::STEPS as f64) as u64);
+        let steps = (share.clamp(0.0, 1.0) * Self::STEPS as f64) as u64;
+        let before = self.shown.fetch_max(steps, Ordering::Relaxed);
+        if steps > before {
+            self.bar.inc(steps - before);
+        }
     }
 }

@@ -5,6 +5,8 @@
 //! cache, and only the top is kept. Beyond that, a level is merged from the coarsest kept level whose footprints
 //! nest in its own, or else from the texels, with fractional weights at the borders.
 
+use std::sync::atomic::{AtomicUsize, Ordering};
+
 use rayon::prelude::*;
 
 use super::{DEFAULT_FOLD, Fold, Level, Method, level::Band, slots};
@@ -79,6 +81,12 @@ impl Chain {
 
 /// Folds all levels of a material, in parallel; the result does not depend on the number of threads.
 pub fn chain(texels: &dyn Texels, options: &Options) -> Chain {
+    chain_telling(texels, options, &|_| ())
+}
+
+/// [`chain`], with `done` called with the share of the work that is done, 0 to 1, row by row and from any thread: for folds
+/// that search, and so take seconds.
+pub fn chain_telling(texels: &dyn Texels, options: &Options, done: &(dyn Fn(f64) + Sync)) -> Chain {
     let size = texels.size();
     assert!(options.lobes == 1 || options.fold.has_mixtures(), "the fold gives one lobe a texel");
     let (needs, most) = match &options.fold.method {
@@ -90,7 +98,10 @@ pub fn chain(texels: &dyn Texels, options: &Options) -> Chain {
     let layout = Layout::new(needs, !texels.is_anisotropic(), texels.extras());
     let count = size.level_count();
     let mut levels: Vec<_> = (1..count).map(|k| Level::zeros(options, size.level(k), texels.extras())).collect();
-    let job = Job { texels, options, layout: &layout, most, size };
+    let work: usize = levels.iter().map(|level| level.lobes.size().texels()).sum();
+    let folded = AtomicUsize::new(0);
+    let advance = |texels: usize| done((folded.fetch_add(texels, Ordering::Relaxed) + texels) as f64 / work as f64);
+    let job = Job { texels, options, layout: &layout, most, size, advance: &advance };
     let trunk = halvings(size);
     let sources: Vec<_> = (0..count).map(|k| job.source(trunk, k)).collect();
     // What is known of the levels that a coarser level is merged from.
@@ -121,6 +132,8 @@ struct Job<'a> {
     /// Most lobes of a summary; 0 where the fold reads none.
     most: usize,
     size: Size,
+    /// Told how many texels of any level were folded.
+    advance: &'a (dyn Fn(usize) + Sync),
 }
 
 /// Moments of the texels of a level, and their summaries.
@@ -208,6 +221,7 @@ impl Job<'_> {
                     finer[k].halve(&mut joined[0], slot, joining);
                 }
                 bands[k].fold_row(self.options, self.layout, coarse, &joined[0], slot, (x >> (k + 1), at), scratch);
+                (self.advance)(coarse.width());
             }
         }
     }
@@ -244,6 +258,7 @@ impl Job<'_> {
                 reduce_rows(self.layout, fill, span, &across, &mut row.moments, reduce);
                 gather.finish(self.most, &mut row.summaries);
                 band.fold_row(self.options, self.layout, &row.moments, &row.summaries, 0, (0, 0), spare);
+                (self.advance)(size.width);
                 if keep { row } else { Kept::default() }
             })
             .collect();

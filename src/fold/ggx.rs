@@ -9,10 +9,11 @@ pub const FOLD: Fold = Fold {
     name: "ggx",
     cite: "Kent, Tyler & Vardi 1994; Fujisawa & Eguchi 2008",
     about: "the closest GGX lobe, by robust likelihood",
-    method: Method::Lobes { most: EXACT, fit },
+    method: Method::Lobes { most: EXACT, mixtures: true, fit },
 };
 
-fn fit(chunk: &Chunk, shape: Shape, out: &mut [Fitted]) {
+/// Lobes for the footprints of a chunk.
+pub(super) fn fit(chunk: &Chunk, shape: Shape, out: &mut [Fitted]) {
     pulp::Arch::new().dispatch(Closest { chunk, shape, out });
 }
 

@@ -9,6 +9,7 @@ mod chain;
 mod clean;
 pub mod fit;
 mod ggx;
+mod ggx_lobe;
 mod lean;
 mod level;
 mod projected;
@@ -19,7 +20,7 @@ mod slots;
 mod toksvig;
 mod vmf;
 
-pub use chain::{Chain, Options, chain};
+pub use chain::{Chain, Options, chain, chain_telling};
 pub use level::Level;
 pub use rows::{LobeRow, MomentRow};
 pub use shape::{Tail, best_student};
@@ -50,6 +51,8 @@ pub enum Method {
     Lobes {
         /// Most lobes that a footprint is summarised by.
         most: usize,
+        /// Whether it can give several lobes a texel.
+        mixtures: bool,
         /// Fits lobes to footprints.
         fit: fit::Fit,
     },
@@ -76,6 +79,7 @@ pub static FOLDS: &[Fold] = &[
     projected::FOLD,
     sggx::FOLD,
     ggx::FOLD,
+    ggx_lobe::FOLD,
 ];
 
 /// The fold that is used when none is named.
@@ -100,6 +104,11 @@ impl Fold {
 
     /// Whether it can give several lobes a texel.
     pub fn has_mixtures(&self) -> bool {
+        matches!(self.method, Method::Lobes { mixtures: true, .. })
+    }
+
+    /// Whether it searches, from the footprint's lobes, and is not a formula of moments.
+    pub fn searches(&self) -> bool {
         matches!(self.method, Method::Lobes { .. })
     }
 

@@ -75,6 +75,12 @@ impl SlopeLobe {
     /// eigenvalues over that one are alpha_x^2 and alpha_y^2. Of a scatter too wide for that, the normal is an eigenvector
     /// near that of the centre, and widths lie above 1.
     pub fn lobe(self) -> Lobe {
+        let (normal, transported) = self.transported();
+        Lobe { normal, roughness: transported.to_bent(normal) }
+    }
+
+    /// The same as a normal and a tensor in its transported frame.
+    pub(crate) fn transported(self) -> (Vec3, RoughnessTensor) {
         let mut near = self.round_normal();
         // Wide and flat tilted lobes lie far from round ones: a few steps of power iteration towards them.
         let (u, p) = (self.centre, self.scatter);
@@ -84,8 +90,7 @@ impl SlopeLobe {
             let next = Vec3::new(x - up * u.x, y - up * u.y, up);
             near = if next.z > 0.0 { next.normalize() } else { near };
         }
-        let (normal, transported) = self.near(near);
-        Lobe { normal, roughness: transported.to_bent(normal) }
+        self.near(near)
     }
 
     /// The normal of the lobe of one width with this centre and, across it, this scatter; exact for those.

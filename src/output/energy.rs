@@ -1,16 +1,20 @@
 //! What a folded lobe reflects, beside what its footprint does.
 
-use crate::fold::{Chain, Options, chain};
+use crate::fold::{Chain, Options, chain_telling};
 use crate::image::Size;
 use crate::material::{Extra, LARGEST_ENERGY, Material, Texels};
 use crate::ndf::RoughnessTensor;
 use crate::reference::average_albedo;
 use crate::roughness::Alpha;
 
-/// Folds a material, with all that its extra maps show.
-pub fn fold_for(material: &Material, options: &Options, extras: &[Extra]) -> Chain {
+/// Folds a material, with all that its extra maps show; `done` as of [`chain_telling`].
+pub fn fold_for(material: &Material, options: &Options, extras: &[Extra], done: &(dyn Fn(f64) + Sync)) -> Chain {
     let options = Options { mean_length: extras.contains(&Extra::Diffuse), ..*options };
-    if extras.contains(&Extra::Energy) { chain(&WithAlbedo(material), &options) } else { chain(material, &options) }
+    if extras.contains(&Extra::Energy) {
+        chain_telling(&WithAlbedo(material), &options, done)
+    } else {
+        chain_telling(material, &options, done)
+    }
 }
 
 /// Single-scattering albedo of a lobe, averaged over views by their cosine. Two widths count by their geometric mean.

@@ -80,6 +80,11 @@ impl Atom {
         let Self { l11, l21, l22, .. } = *self;
         [l11 * l11, l11 * l21, l21 * l21 + l22 * l22]
     }
+
+    /// A lobe of footprint `i`.
+    pub(super) fn set_lane(&mut self, i: usize, Entry { weight, lobe: SlopeLobe { centre, scatter } }: &Entry) {
+        self.set(i, *weight, centre.to_array(), [scatter.xx, scatter.xy, scatter.yy]);
+    }
 }
 
 impl Chunk {
@@ -142,8 +147,8 @@ pub fn row(
 pub fn one(fit: Fit, shape: Shape, count: usize, entries: &[Entry], normal: Vec3) -> Vec<(Lobe, f32)> {
     let mut chunk = Chunk { normal: normal.to_array().map(Lanes::all), ..Chunk::default() };
     chunk.atoms.resize(entries.len(), Atom::default());
-    for (atom, Entry { weight, lobe: SlopeLobe { centre, scatter } }) in chunk.atoms.iter_mut().zip(entries) {
-        (0..LANES).for_each(|i| atom.set(i, *weight, centre.to_array(), [scatter.xx, scatter.xy, scatter.yy]));
+    for (atom, entry) in chunk.atoms.iter_mut().zip(entries) {
+        (0..LANES).for_each(|i| atom.set_lane(i, entry));
     }
     let mut fitted = [Fitted::default(); MOST_LOBES];
     fit(&chunk, shape, &mut fitted[..count]);

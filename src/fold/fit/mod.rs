@@ -6,9 +6,11 @@
 
 mod chunk;
 mod lanes;
+pub(super) mod lobe_error;
 pub(super) mod mixture;
 pub(super) mod scatter;
 mod seed;
+pub(super) mod simplex;
 
 pub use chunk::{Atom, Chunk, Fit, Fitted, Shape};
 pub(super) use chunk::{one, row};

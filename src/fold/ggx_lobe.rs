@@ -1,0 +1,194 @@
+//! Based on: the lobe error of [`crate::compare`], searched by J. A. Nelder, R. Mead, 1965.
+
+use glam::Vec3;
+
+use super::fit::lobe_error::{Candidate, LobeError};
+use super::fit::simplex::{Stop, minimise};
+use super::fit::{Atom, Chunk, Fitted, LANES, Shape};
+use super::{Fold, Method, ggx};
+use crate::ndf::{Form, Frame, RoughnessTensor};
+
+/// The GGX lobe of least lobe error: that of `ggx`, moved until it looks most like the footprint.
+pub const FOLD: Fold = Fold {
+    name: "ggx-lobe",
+    cite: "Nelder & Mead 1965",
+    about: "the GGX lobe that looks most alike: `ggx`, then a search",
+    method: Method::Lobes { most: MOST, mixtures: false, fit },
+};
+
+/// Lobes of a summary: twice as many a side as for `ggx`.
+const MOST: usize = 64;
+
+/// Lobe error below which nothing is searched: rounding alone may leave as much.
+const NOTHING: f32 = 2e-3;
+
+/// Share of the lobe error by which a search must lessen it, so that what rounding brings moves no lobe.
+const NOTICEABLE: f32 = 5e-3;
+
+/// Lobe error from which a search begins again from the footprint's own lobes.
+const UNLIKE: f32 = 0.5;
+
+/// The first corners of a search lie this far from its start, in widths of the lobe and in logarithms of them.
+const REACH: f32 = 0.2;
+
+/// Search ends where corners differ by this share of the error.
+const SPREAD: f32 = 2e-3;
+
+/// Least squared width of a search, as that of the smoothest texels.
+const LEAST: f32 = 1e-12;
+
+/// Least z of a normal.
+const LOWEST: f32 = 1e-3;
+
+fn fit(chunk: &Chunk, shape: Shape, out: &mut [Fitted]) {
+    ggx::fit(chunk, shape, out);
+    // One lobe: of mixtures, all of a footprint's lobes would be refined together here.
+    for i in 0..LANES {
+        // At borders a footprint is repeated to fill the lanes.
+        let from = if i > 0 && chunk.atoms.iter().all(|atom| same(atom, i)) { i - 1 } else { i };
+        let start = lane(&out[0], from);
+        put(&mut out[0], i, if from == i { refine(&chunk.atoms, i, shape.form, start) } else { start });
+    }
+}
+
+/// Whether footprint `i` has the lobe of the one before.
+fn same(atom: &Atom, i: usize) -> bool {
+    [&atom.w, &atom.x, &atom.y, &atom.l11, &atom.l21, &atom.l22].iter().all(|lanes| lanes.0[i] == lanes.0[i - 1])
+}
+
+fn lane(fitted: &Fitted, i: usize) -> Candidate {
+    let [xx, xy, yy] = fitted.tensor.map(|v| v.0[i]);
+    (Vec3::from(fitted.normal.map(|v| v.0[i])), RoughnessTensor { xx, xy, yy })
+}
+
+fn put(fitted: &mut Fitted, i: usize, (n, r): Candidate) {
+    fitted.normal.iter_mut().zip(n.to_array()).for_each(|(lanes, v)| lanes.0[i] = v);
+    fitted.tensor.iter_mut().zip([r.xx, r.xy, r.yy]).for_each(|(lanes, v)| lanes.0[i] = v);
+}
+
+/// The lobe that looks most like a footprint, searched from `start`; that one where none is noticeably better.
+fn refine(atoms: &[Atom], i: usize, form: Form, start: Candidate) -> Candidate {
+    let mut parts =
+        atoms.iter().filter(|a| a.w.0[i] > 0.0).map(|a| [a.x.0[i], a.y.0[i], a.l11.0[i], a.l21.0[i], a.l22.0[i]]);
+    let one = parts.next();
+    if parts.all(|other| Some(other) == one) {
+        return start;
+    }
+    let guess = (start.0, in_form(form, start.1));
+    let error = LobeError::new(atoms, i, guess);
+    let first = error.of(guess);
+    if first.is_nan() || first <= NOTHING {
+        return start;
+    }
+    let found = search(&error, first, form, guess);
+    if found.map_or(first, |(_, value)| value) > UNLIKE {
+        // Parts that no lobe covers together: the best one may lie about one of them.
+        let own = error.lobes().map(|(n, r)| (n, in_form(form, r)));
+        if let Some(guess) = own.min_by(|a, b| error.of(*a).total_cmp(&error.of(*b))) {
+            // By half vectors that fall there.
+            let near = LobeError::new(atoms, i, guess);
+            let first = near.of(guess);
+            let (other, value) = search(&near, first, form, guess).unwrap_or((guess, first));
+            let so_far = found.map_or(start, |(lobe, _)| lobe);
+            return if value < (1.0 - NOTICEABLE) * near.of((so_far.0, in_form(form, so_far.1))) {
+                other
+            } else {
+                so_far
+            };
+        }
+    }
+    found.map_or(start, |(lobe, _)| lobe)
+}
+
+/// A tensor as a search takes it.
+fn in_form(form: Form, tensor: RoughnessTensor) -> RoughnessTensor {
+    let mean = RoughnessTensor { xx: tensor.mean(), xy: 0.0, yy: tensor.mean() };
+    let tensor = if form == Form::Isotropic { mean } else { tensor };
+    tensor.clamped(LEAST, 1.0)
+}
+
+/// A noticeably better lobe near one whose error is `first`, and its error.
+fn search(error: &LobeError, first: f32, form: Form, from: Candidate) -> Option<(Candidate, f32)> {
+    let stop = |parameters: usize| Stop { spread: SPREAD * first, steps: 60 * parameters };
+    let (lobe, value) = match form {
+        Form::Isotropic => {
+            let lobe = |&[x, y, width]: &[f32; 3]| moved(from, x, y, [width, 0.0, width]);
+            let (best, value) = minimise(first, REACH, stop(3), |x| error.of(lobe(x)));
+            (lobe(&best), value)
+        }
+        Form::Anisotropic => {
+            let lobe = |&[x, y, along, skew, across]: &[f32; 5]| moved(from, x, y, [along, skew, across]);
+            let (best, value) = minimise(first, REACH, stop(5), |x| error.of(lobe(x)));
+            (lobe(&best), value)
+        }
+    };
+    let (n, r) = lobe;
+    let usable = n.is_finite() && r.xx.is_finite() && r.xy.is_finite() && r.yy.is_finite();
+    (value < (1.0 - NOTICEABLE) * first && usable).then_some((lobe, value))
+}
+
+/// A lobe moved by `x` and `y` of its widths, its factor L multiplied by one with the logarithms of widths on its diagonal.
+fn moved((n, r): Candidate, x: f32, y: f32, [along, skew, across]: [f32; 3]) -> Candidate {
+    let Frame { tangent: t, bitangent: b } = Frame::transported(n);
+    let l11 = r.xx.sqrt();
+    let l21 = r.xy / l11;
+    let l22 = (r.yy - l21 * l21).max(1e-6 * r.yy).sqrt();
+    let to = n + t * (l11 * x) + b * (l21 * x + l22 * y);
+    let to = Vec3::new(to.x, to.y, to.z.max(LOWEST)).normalize();
+    let (l11, l21, l22) = (l11 * along.exp(), l21 * along.exp() + l22 * skew, l22 * across.exp());
+    let tensor = RoughnessTensor { xx: l11 * l11, xy: l11 * l21, yy: l21 * l21 + l22 * l22 };
+    (to, tensor.clamped(LEAST, 1.0))
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::Mat3;
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::ndf::Lobe;
+    use crate::roughness::Alpha;
+
+    /// Slopes and alphas as a footprint.
+    fn footprint(texels: &[(f32, f32, f32)], turn: Mat3) -> Vec<(Lobe, f32)> {
+        let lobe = |&(x, y, alpha): &(f32, f32, f32)| {
+            (Lobe::isotropic(turn * Vec3::new(-x, -y, 1.0).normalize(), Alpha(alpha)), 1.0)
+        };
+        texels.iter().map(lobe).collect()
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(48))]
+
+        /// The views do not turn, and a search ends where the figure is flat: to a part of the width only.
+        #[test]
+        fn turning_copies_and_order_change_little(
+            texels in prop::collection::vec((-0.3f32..0.3, -0.3f32..0.3, 0.1f32..0.5), 2..40), angle in -3.0f32..3.0
+        ) {
+            let turn = Mat3::from_rotation_z(angle);
+            let mut twice = texels.clone();
+            twice.extend(texels.iter().rev());
+            for form in [Form::Isotropic, Form::Anisotropic] {
+                let lobe = |texels, turn| FOLD.lobe(&footprint(texels, turn), form);
+                let a = lobe(&texels, Mat3::IDENTITY);
+                for (b, turn) in [(lobe(&texels, turn), turn), (lobe(&twice, Mat3::IDENTITY), Mat3::IDENTITY)] {
+                    let width = a.roughness.mean().sqrt();
+                    let off = (turn * a.normal - b.normal).length() / width;
+                    let wider = (b.roughness.mean() / a.roughness.mean()).ln().abs();
+                    prop_assert!(off < 0.25 && wider < 0.25, "{form:?}: {off} {wider}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_footprint_of_two_mirrors_becomes_one_of_them() {
+        let texels = [(0.5, 0.0, 0.02), (0.5, 0.0, 0.02), (-0.5, 0.2, 0.02)];
+        let lobe = FOLD.lobe(&footprint(&texels, Mat3::IDENTITY), Form::Isotropic);
+        let expected = Vec3::new(-0.5, 0.0, 1.0).normalize();
+        assert!(
+            (lobe.normal - expected).length() < 0.01 && (lobe.axes().alpha_x.0 / 0.02 - 1.0).abs() < 0.3,
+            "{lobe:?}"
+        );
+    }
+}
