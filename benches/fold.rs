@@ -61,11 +61,18 @@ fn folds(criterion: &mut Criterion) {
             });
         });
         for form in [Form::Isotropic, Form::Anisotropic] {
-            for fold in FOLDS.iter().filter(|f| form == Form::Isotropic || f.has_two_widths()) {
-                let options = Options { fold, form, ..Options::default() };
-                group.bench_function(BenchmarkId::new(fold.name, format!("{form:?}")), |b| {
+            let mut bench = |name: &str, options: Options| {
+                group.bench_function(BenchmarkId::new(name, format!("{form:?}")), |b| {
                     b.iter(|| pool.install(|| chain(black_box(&texels), &options)));
                 });
+            };
+            // One `ggx-lobe` would take minutes.
+            let folds = FOLDS.iter().filter(|fold| !fold.is_slow());
+            for fold in folds.filter(|fold| form == Form::Isotropic || fold.has_two_widths()) {
+                bench(fold.name, Options { fold, form, ..Options::default() });
+            }
+            for lobes in [2, 4] {
+                bench(&format!("{} lobes", lobes), Options { form, lobes, ..Options::default() });
             }
         }
     }

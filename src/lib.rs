@@ -32,7 +32,8 @@
 //! # Scope
 //!
 //! - Tangent-space normal maps with roughness, gloss or packed maps, of any size; heights and glTF anisotropy too.
-//! - Lobes of one width, which every engine can shade today, or of two widths and a direction; mixtures of up to four.
+//! - Lobes of one width, which every engine can shade today, or of two widths and a direction; mixtures of up to four
+//!   for shaders that add them up.
 //! - Exact footprints, published methods side by side, and the same bytes on any number of threads.
 //! - A judge ([`compare`](mod@compare)) that measures how far any mip chain is from the exact footprint, in f64, and knows
 //!   nothing of folds.

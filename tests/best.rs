@@ -8,7 +8,7 @@ mod common;
 
 use glam::Vec3;
 use mipfold::compare::VIEWS;
-use mipfold::fold::{FOLDS, Fold, Options, chain};
+use mipfold::fold::{DEFAULT_FOLD, FOLDS, Fold, Options, chain};
 use mipfold::image::Size;
 use mipfold::material::{ChannelRef, Inputs, Material, RoughnessInput, Texels, base_lobes, load};
 use mipfold::ndf::{Axes, Form, Lobe, RoughnessTensor};
@@ -27,6 +27,8 @@ const JUDGED: usize = 1024;
 /// Folds from which a search starts; it starts from the most alike of so many texels too.
 const STARTS: [&str; 3] = ["projected", "ggx", "ggx-lobe"];
 const TEXELS: usize = 16;
+/// Lobes of the mixtures, and their errors over that of the best single lobe, at most.
+const MIXTURES: [(usize, f64); 2] = [(2, 0.85), (4, 0.6)];
 
 /// A square of a map, with its own roughness or a constant alpha.
 struct Square<'a> {
@@ -97,7 +99,11 @@ impl Error {
     }
 
     fn of(&self, lobe: &Lobe) -> f64 {
-        let own = means(&Footprint::of_lobes(&[(*lobe, 1.0)]), &self.queries).specular;
+        self.of_mixture(&[(*lobe, 1.0)])
+    }
+
+    fn of_mixture(&self, lobes: &[(Lobe, f64)]) -> f64 {
+        let own = means(&Footprint::of_lobes(lobes), &self.queries).specular;
         let (mut apart, mut both) = (0.0, 0.0);
         for ((f, truth), share) in own.iter().zip(&self.truth).zip(&self.share) {
             apart += share * (f - truth).abs();
@@ -176,7 +182,7 @@ fn minimum(n: usize, size: f64, f: impl Fn(&[f64]) -> f64) -> (Vec<f64>, f64) {
     corners.into_iter().min_by(|a, b| a.1.total_cmp(&b.1)).unwrap()
 }
 
-/// Errors at one texel: of every contender, then of the best.
+/// Errors at one texel: of every contender, then of the best, then of the mixtures.
 struct Case {
     map: usize,
     alpha: usize,
@@ -195,6 +201,8 @@ fn judge(square: &Square, map: usize, alpha: usize, seed: u64) -> Vec<Case> {
         let (folds, base) = (contenders(form), base_lobes(square, form));
         let chains: Vec<_> =
             folds.iter().map(|&fold| chain(square, &Options { fold, form, ..Options::default() })).collect();
+        let mixtures = MIXTURES
+            .map(|(lobes, _)| chain(square, &Options { fold: DEFAULT_FOLD, form, lobes, ..Options::default() }));
         for level in LEVELS {
             let side = SIDE >> level;
             let mut random = Random::new(seed, level as u64);
@@ -216,6 +224,11 @@ fn judge(square: &Square, map: usize, alpha: usize, seed: u64) -> Vec<Case> {
             let best = errors.iter().copied().fold(f64::MAX, f64::min);
             errors.truncate(folds.len());
             errors.push(best);
+            for chain in &mixtures {
+                let mixture = chain.levels[level - 1].lobes.mixture(x, y);
+                let mixture: Vec<(Lobe, f64)> = mixture.map(|(lobe, weight)| (lobe, f64::from(weight))).collect();
+                errors.push(error.of_mixture(&mixture));
+            }
             cases.push(Case { map, alpha, form, errors });
         }
     }
@@ -276,7 +289,7 @@ fn compare(maps: &[&str], alphas: &[Option<f32>], squares: usize) {
             formulas.min_by(|a, b| mean(cases, |c| c.errors[*a]).total_cmp(&mean(cases, |c| c.errors[*b]))).unwrap()
         };
         println!(
-            "\n| {form:?}: alpha | best formula of moments | `ggx` | `ggx-lobe` | best lobe |\n|---|---|---|---|---|"
+            "\n| {form:?}: alpha | best formula of moments | `ggx` | `ggx-lobe` | best lobe | 2 lobes | 4 lobes |\n|---|---|---|---|---|---|---|"
         );
         for (i, alpha) in alphas.iter().enumerate() {
             let of = |keep: &dyn Fn(&Case) -> bool| -> Vec<&Case> {
@@ -284,20 +297,28 @@ fn compare(maps: &[&str], alphas: &[Option<f32>], squares: usize) {
             };
             let all = of(&|_| true);
             let formula = best_formula(&all);
-            let [f, g, s, b] = [formula, ggx, search, best].map(|k| mean(&all, |case| case.errors[k]));
+            let [f, g, s, b, two, four] =
+                [formula, ggx, search, best, best + 1, best + 2].map(|k| mean(&all, |case| case.errors[k]));
             let name = alpha.map_or("the map's".into(), |alpha| alpha.to_string());
             println!(
-                "| {name} | {f:.4} (`{}`) | {g:.4} ({:.3}) | {s:.4} ({:.3}) | {b:.4} |",
+                "| {name} | {f:.4} (`{}`) | {g:.4} ({:.3}) | {s:.4} ({:.3}) | {b:.4} | {two:.4} ({:.3}) | {four:.4} ({:.3}) |",
                 folds[formula].name,
                 g / b,
-                s / b
+                s / b,
+                two / b,
+                four / b
             );
             let mut expect = |what: &str, good: bool| {
                 if !good {
                     faults.push(format!("{form:?}, alpha {name}: {what}"));
                 }
             };
-            expect(&format!("ggx is {:.3} of the best", g / b), g <= 1.15 * b);
+            // Smooth and rough texels together: a few steps from three starts do not always reach the best of its minima.
+            let most = if alpha.is_some() { 1.15 } else { 1.25 };
+            expect(&format!("ggx is {:.3} of the best", g / b), g <= most * b);
+            for ((lobes, most), error) in MIXTURES.into_iter().zip([two, four]) {
+                expect(&format!("{lobes} lobes are {:.3} of the best one", error / b), error <= most * b);
+            }
             expect(&format!("ggx-lobe is {:.3} of the best", s / b), s <= 1.03 * b);
             for (map, name) in maps.iter().enumerate() {
                 let cases = of(&|case| case.map == map);

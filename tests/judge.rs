@@ -138,7 +138,7 @@ fn moments_in_8_bit_are_named_as_worse() {
 fn table(textures: &std::path::Path) -> Vec<(f32, Vec<(&'static str, f64)>)> {
     let maps = ["rock058/normal.jpg", "tiles107/normal.jpg", "bark014/normal.jpg", "chainmail004/normal.jpg"];
     let folds: Vec<_> =
-        ["average", "toksvig", "lean", "projected", "sggx"].map(|name| Fold::by_name(name).unwrap()).to_vec();
+        ["average", "toksvig", "lean", "projected", "sggx", "ggx"].map(|name| Fold::by_name(name).unwrap()).to_vec();
     let settings = Settings { texels: Some(20), directions: 40, levels: vec![2, 5], ..Settings::default() };
     [0.05, 0.1, 0.2, 0.4]
         .map(|alpha| {
@@ -170,6 +170,7 @@ fn folds_stand_in_the_known_order_on_real_textures() {
         assert!(alpha > 0.2 || (of("lean") / of("toksvig") - 1.0).abs() < 0.25, "lean and toksvig are near");
         assert!(of("projected") < of("lean") && of("sggx") < of("lean"));
         assert!(of("projected") < of("toksvig") && of("sggx") < of("toksvig"));
+        assert!(of("ggx") < 0.9 * of("projected") && of("ggx") < 0.9 * of("sggx"), "the search is well ahead");
     }
 }
 
@@ -196,10 +197,11 @@ fn a_material_on_file_is_judged_with_its_own_roughness() {
     }
 }
 
-/// The README's ranking of the folds: mean lobe error over all real normal maps and levels 1 to 6, by alpha. Minutes:
+/// Ranking of the folds: mean lobe error over all real normal maps and levels 1 to 6, by alpha. `ggx-lobe` would take hours
+/// (`tests/best.rs` judges it on parts of maps). Minutes:
 /// `cargo test --release --test judge ranking -- --ignored --nocapture`.
 #[test]
-#[ignore = "minutes; its figures are in the README"]
+#[ignore = "minutes"]
 fn ranking_of_all_folds_on_all_real_normal_maps() {
     let Some(textures) = common::textures() else { return };
     let mut maps: Vec<_> = std::fs::read_dir(&textures)
@@ -214,7 +216,7 @@ fn ranking_of_all_folds_on_all_real_normal_maps() {
     let forms = [Form::Isotropic, Form::Anisotropic];
     let entries: Vec<_> = forms
         .iter()
-        .flat_map(|form| FOLDS.iter().map(move |fold| (fold, *form)))
+        .flat_map(|form| FOLDS.iter().filter(|fold| !fold.is_slow()).map(move |fold| (fold, *form)))
         .filter(|(fold, form)| *form == Form::Isotropic || fold.has_two_widths())
         .collect();
     let settings = Settings { texels: Some(16), directions: 40, levels: (1..=6).collect(), ..Settings::default() };

@@ -202,7 +202,10 @@ fn folds(args: &CompareArgs, material: &Material) -> Result<Vec<(&'static Fold, 
                 add(fold);
             }
             // Plain mips are the same, and judged anyway.
-            FoldChoice::All => FOLDS.iter().filter(|f| args.no_plain || f.name != average.name).for_each(&mut add),
+            FoldChoice::All => {
+                let folds = FOLDS.iter().filter(|f| !f.is_slow());
+                folds.filter(|f| args.no_plain || f.name != average.name).for_each(&mut add);
+            }
         }
     }
     if folds.is_empty() && args.lobes.is_some() && !args.chains.is_empty() {

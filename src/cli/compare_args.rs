@@ -53,7 +53,7 @@ pub struct CompareArgs {
     /// the first chain]
     #[arg(long, value_name = "FOLDER", conflicts_with_all = ["normal", "orm", "height", "anisotropy"])]
     pub base: Option<PathBuf>,
-    /// Judge these folds of level 0 as well: names separated by commas, or all [default, without CHAIN: projected]
+    /// Judge these folds of level 0 as well: names separated by commas, or all (but slow ones) [default, without CHAIN: ggx]
     #[arg(long, value_name = "NAME", value_delimiter = ',', value_parser = fold_choice)]
     pub fold: Vec<FoldChoice>,
     /// Lobes of --fold: iso, aniso, 2, 3, 4, 2-aniso, 3-aniso, 4-aniso or haze, as in `build`; chains keep theirs

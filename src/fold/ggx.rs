@@ -9,7 +9,7 @@ pub const FOLD: Fold = Fold {
     name: "ggx",
     cite: "Kent, Tyler & Vardi 1994; Fujisawa & Eguchi 2008",
     about: "the closest GGX lobe, by robust likelihood",
-    method: Method::Lobes { most: EXACT, mixtures: true, fit },
+    method: Method::Lobes { most: EXACT, mixtures: true, slow: false, fit },
 };
 
 /// Lobes for the footprints of a chunk.

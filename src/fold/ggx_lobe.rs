@@ -13,7 +13,7 @@ pub const FOLD: Fold = Fold {
     name: "ggx-lobe",
     cite: "Nelder & Mead 1965",
     about: "the GGX lobe that looks most alike: `ggx`, then a search",
-    method: Method::Lobes { most: MOST, mixtures: false, fit },
+    method: Method::Lobes { most: MOST, mixtures: false, slow: true, fit },
 };
 
 /// Lobes of a summary: twice as many a side as for `ggx`.

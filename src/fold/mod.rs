@@ -53,6 +53,8 @@ pub enum Method {
         most: usize,
         /// Whether it can give several lobes a texel.
         mixtures: bool,
+        /// Whether it searches texel by texel, and takes minutes where others take seconds.
+        slow: bool,
         /// Fits lobes to footprints.
         fit: fit::Fit,
     },
@@ -100,6 +102,11 @@ impl Fold {
     /// Whether the method defines lobes of two widths.
     pub fn has_two_widths(&self) -> bool {
         !matches!(self.method, Method::Moments(MomentFold { anisotropic: None, .. }))
+    }
+
+    /// Whether it takes minutes where others take seconds: for final assets, and not among all folds unless it is named.
+    pub fn is_slow(&self) -> bool {
+        matches!(self.method, Method::Lobes { slow: true, .. })
     }
 
     /// Whether it can give several lobes a texel.

@@ -14,3 +14,6 @@ pub(crate) use rows::{Buffers, Gather, Summaries};
 
 /// Level-0 texels joined without loss: a summary may hold so many lobes, or more.
 pub const EXACT: usize = 16;
+
+#[cfg(test)]
+mod tests;

@@ -74,6 +74,17 @@ impl Atom {
         (self.l11.0[i], self.l21.0[i], self.l22.0[i]) = (l11, l21, l22);
     }
 
+    /// Whether the squared width of any footprint's atom is more than so many times that of another atom, or less.
+    #[inline(always)]
+    pub fn differs(&self, other: &Self, ratio: f32) -> bool {
+        let size = |atom: &Self| {
+            let [xx, _, yy] = atom.scatter();
+            xx + yy
+        };
+        let (a, b) = (size(self), size(other));
+        (0..LANES).any(|i| a.0[i] > ratio * b.0[i] || b.0[i] > ratio * a.0[i])
+    }
+
     /// The scatter xx xy yy.
     #[inline(always)]
     pub fn scatter(&self) -> [Lanes; 3] {

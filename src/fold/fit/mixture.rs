@@ -44,7 +44,7 @@ pub fn fit(chunk: &Chunk, shape: Shape, out: &mut [Fitted]) {
 #[inline(always)]
 fn fit_some<const LOBES: usize>(chunk: &Chunk, shape: Shape, out: &mut [Fitted]) {
     let atoms = &chunk.atoms;
-    let mut whole = scatter::start(atoms, |k| atoms[k].w);
+    let mut whole = closest(chunk, shape.form);
     let metric = Metric::new(&mut whole);
     let axes: Vec<[Lanes; 4]> = atoms
         .iter()
@@ -53,16 +53,8 @@ fn fit_some<const LOBES: usize>(chunk: &Chunk, shape: Shape, out: &mut [Fitted])
             [ax, ay, bx, by]
         })
         .collect();
-    let mut parts: [Part; LOBES] =
-        if shape.shared_normal { seed::ladder(&closest(chunk, shape.form)) } else { seed::parts(atoms) };
-    let hs: usize = std::env::var("HS").map_or(3, |s| s.parse().unwrap());
-    for _ in 0..if shape.shared_normal {
-        hs
-    } else if LOBES == 2 {
-        3
-    } else {
-        2
-    } {
+    let mut parts: [Part; LOBES] = seed::parts(atoms, shape.shared_normal.then_some(&whole));
+    for _ in 0..if LOBES == 2 { 3 } else { 2 } {
         step(atoms, &axes, shape, &mut parts);
     }
     for (part, out) in parts.iter().zip(out.iter_mut()) {

@@ -39,6 +39,9 @@ const LEAST: f32 = 1e-12;
 /// Steps from a start that is near already: thirty would change the mean lobe error by less than a hundredth of itself.
 const STEPS: usize = 3;
 
+/// Ratio of squared widths from which texels are smooth and rough ones: that of alpha is 2.
+const UNLIKE: f32 = 4.0;
+
 /// The estimate so far: centre and scatter.
 #[derive(Clone, Copy, Default)]
 pub struct Estimate {
@@ -115,20 +118,71 @@ impl Seen {
 }
 
 /// The closest lobe of each footprint.
+///
+/// Smooth and rough texels together may leave two to choose from, about the smooth ones and about all: of these it is the
+/// one that covers more.
 #[inline(always)]
 pub fn closest(chunk: &Chunk, form: Form) -> Estimate {
-    let mut estimate = start(&chunk.atoms, |k| chunk.atoms[k].w);
-    for _ in 0..STEPS {
-        step(&chunk.atoms, form, chunk.normal[2], &mut estimate);
+    let atoms = &chunk.atoms;
+    let mut first = start(atoms, |k| atoms[k].w, None);
+    (0..STEPS).for_each(|_| step::<false>(atoms, form, chunk.normal[2], &mut first));
+    if atoms.iter().any(|atom| atom.differs(&atoms[0], UNLIKE)) {
+        let smooth = |k: usize| {
+            let [xx, _, yy] = atoms[k].scatter();
+            atoms[k].w * (xx + yy).max(LEAST).inverse()
+        };
+        let mut most = covered(atoms, &first);
+        let mut typical = start(atoms, smooth, None);
+        (0..2 * STEPS).for_each(|_| step::<true>(atoms, form, chunk.normal[2], &mut typical));
+        typical.replace_if_better(atoms, &mut first, &mut most);
+        let (mut typical, mut best) = (Estimate::default(), Lanes::default());
+        for a in atoms {
+            let [xx, xy, yy] = a.scatter();
+            Estimate { x: a.x, y: a.y, xx, xy, yy }.replace_if_better(atoms, &mut typical, &mut best);
+        }
+        (0..2 * STEPS).for_each(|_| step::<true>(atoms, form, chunk.normal[2], &mut typical));
+        typical.replace_if_better(atoms, &mut first, &mut most);
     }
-    estimate
+    first
 }
 
-/// A start that needs no iteration: the mean slope, and the second moments about it, each weighed by the inverse of its
-/// root: those of absolute values, which GGX has, where it has no second moments. A single lobe is its own start.
-/// `weight` is that of an atom.
+impl Estimate {
+    /// Takes the place of another where it covers more.
+    #[inline(always)]
+    fn replace_if_better(self, atoms: &[Atom], other: &mut Self, most: &mut Lanes) {
+        let own = covered(atoms, &self);
+        let pick = |new: Lanes, old: Lanes| own.above(*most, new, old);
+        *other = Self {
+            x: pick(self.x, other.x),
+            y: pick(self.y, other.y),
+            xx: pick(self.xx, other.xx),
+            xy: pick(self.xy, other.xy),
+            yy: pick(self.yy, other.yy),
+        };
+        *most = pick(own, *most);
+    }
+}
+
+/// How much of the atoms a lobe covers: `sum w sqrt(sqrt(det P det Q) / det((P + Q + d d^T) / 2))`. Among lobes of one
+/// centre and shape that is near the overlap of the densities, `2 / (1 + sqrt r)` for areas of the ratio r.
 #[inline(always)]
-pub fn start(atoms: &[Atom], weight: impl Fn(usize) -> Lanes) -> Estimate {
+fn covered(atoms: &[Atom], e: &Estimate) -> Lanes {
+    let own = (e.xx * e.yy - e.xy * e.xy).max(0.0).sqrt();
+    let mut sum = Lanes::default();
+    for a in atoms {
+        let (dx, dy, [xx, xy, yy]) = (a.x - e.x, a.y - e.y, a.scatter());
+        let (xx, xy, yy) = (xx + e.xx + dx * dx, xy + e.xy + dx * dy, yy + e.yy + dy * dy);
+        let both = (xx * yy - xy * xy).max(f32::MIN_POSITIVE);
+        sum += a.w * (4.0 * own * a.l11 * a.l22 * both.inverse()).sqrt();
+    }
+    sum
+}
+
+/// A start that needs no iteration: the mean slope, or the centre of `about`, and the second moments about it, each weighed
+/// by the inverse of its root: those of absolute values, which GGX has, where it has no second moments. A single lobe is its
+/// own start. `weight` is that of an atom.
+#[inline(always)]
+pub fn start(atoms: &[Atom], weight: impl Fn(usize) -> Lanes, about: Option<&Estimate>) -> Estimate {
     let mut all = Lanes::default();
     let mut e = Estimate::default();
     for (k, a) in atoms.iter().enumerate() {
@@ -138,7 +192,7 @@ pub fn start(atoms: &[Atom], weight: impl Fn(usize) -> Lanes) -> Estimate {
         e.y += w * a.y;
     }
     let inverse = all.max(f32::MIN_POSITIVE).inverse();
-    (e.x, e.y) = (e.x * inverse, e.y * inverse);
+    (e.x, e.y) = about.map_or((e.x * inverse, e.y * inverse), |about| (about.x, about.y));
     let mut length = Lanes::default();
     for (k, a) in atoms.iter().enumerate() {
         let (dx, dy, w) = (a.x - e.x, a.y - e.y, weight(k) * inverse);
@@ -157,7 +211,7 @@ pub fn start(atoms: &[Atom], weight: impl Fn(usize) -> Lanes) -> Estimate {
 
 /// One step. `up` is the z of the mean normal.
 #[inline(always)]
-pub fn step(atoms: &[Atom], form: Form, up: Lanes, e: &mut Estimate) {
+fn step<const SMOOTH: bool>(atoms: &[Atom], form: Form, up: Lanes, e: &mut Estimate) {
     let m = Metric::new(e);
     // Sums of w, w d, w d d^T; the parts of tr(P^-1 w d d^T) that lie between atoms and in all.
     let mut sums = [Lanes::default(); 8];
@@ -186,7 +240,8 @@ pub fn step(atoms: &[Atom], form: Form, up: Lanes, e: &mut Estimate) {
         let (c11, c12, c22) = (RING2[0] * w1 + outer, half * (w3 - w4), RING2[0] * w2 + outer);
         let (e1, e2) = (r1 * v1 + r2 * (v3 + v4), r2 * (v3 - v4));
         let (ex, ey) = (ax * e1 + bx * e2, ay * e1 + by * e2);
-        let g = atom.w * (0.125 * all).sqrt();
+        let mean = 0.125 * all;
+        let g = atom.w * if SMOOTH { mean } else { mean.sqrt() };
         let sxx = all * dx * dx + 2.0 * dx * ex + c11 * ax * ax + 2.0 * c12 * ax * bx + c22 * bx * bx;
         let sxy = all * dx * dy + dx * ey + dy * ex + c11 * ax * ay + c12 * (ax * by + ay * bx) + c22 * bx * by;
         let syy = all * dy * dy + 2.0 * dy * ey + c11 * ay * ay + 2.0 * c12 * ay * by + c22 * by * by;
@@ -206,7 +261,7 @@ pub fn step(atoms: &[Atom], form: Form, up: Lanes, e: &mut Estimate) {
     // that P = 2 (1 + LEAN) E[w^LEAN w d d^T] / E[w^LEAN w]; for a single atom nothing leans, and for a slight smear
     // as good as nothing.
     let apart = (between * whole.max(f32::MIN_POSITIVE).inverse()).min(1.0);
-    let scale = 2.0 * (LEAN * apart * apart + 1.0);
+    let scale = 2.0 * (if SMOOTH { 1.0 } else { LEAN } * apart * apart + 1.0);
     let mut next = *e;
     (next.x, next.y) = (e.x + x, e.y + y);
     next.xx = scale * (xx * inverse - x * x);

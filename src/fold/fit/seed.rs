@@ -6,9 +6,12 @@ use super::mixture::Part;
 use super::scatter::{self, Estimate};
 
 /// Cuts the part with the largest weighted sum of squares at its mean, across the direction in which it is longest among
-/// centre and width, until there are enough; each part starts as a single lobe does.
+/// centre and width, until there are enough; each part starts as a single lobe does. Parts that share a centre, that of
+/// `shared`, are cut by how far they reach from it.
 #[inline(always)]
-pub(super) fn parts<const LOBES: usize>(atoms: &[Atom]) -> [Part; LOBES] {
+pub(super) fn parts<const LOBES: usize>(atoms: &[Atom], shared: Option<&Estimate>) -> [Part; LOBES] {
+    let places: Vec<[Lanes; 3]> =
+        atoms.iter().map(|atom| shared.map_or_else(|| place(atom), |e| reach(atom, e))).collect();
     let one = Lanes::all(1.0);
     // Whether an atom belongs to a part: 0 or 1.
     let mut members: [Vec<Lanes>; LOBES] = std::array::from_fn(|_| vec![Lanes::default(); atoms.len()]);
@@ -17,7 +20,7 @@ pub(super) fn parts<const LOBES: usize>(atoms: &[Atom]) -> [Part; LOBES] {
         let (mut widest, mut which) = (Cell::default(), [Lanes::default(); LOBES]);
         widest.cost = Lanes::all(-1.0);
         for part in 0..next {
-            let cell = Cell::of(atoms, &members[part]);
+            let cell = Cell::of(atoms, &places, &members[part]);
             let other = cell.cost.above(widest.cost, Lanes::default(), one);
             which.iter_mut().for_each(|which| *which *= other);
             which[part] = one - other;
@@ -27,8 +30,7 @@ pub(super) fn parts<const LOBES: usize>(atoms: &[Atom]) -> [Part; LOBES] {
             });
             widest.cost = other.above(Lanes::default(), widest.cost, cell.cost);
         }
-        for (k, atom) in atoms.iter().enumerate() {
-            let place = place(atom);
+        for (k, place) in places.iter().enumerate() {
             let [x, y, z] = [0, 1, 2].map(|q| widest.axis[q] * (place[q] - widest.mean[q]));
             let beyond = (x + y + z).above(Lanes::default(), one, Lanes::default());
             for part in 0..next {
@@ -41,7 +43,7 @@ pub(super) fn parts<const LOBES: usize>(atoms: &[Atom]) -> [Part; LOBES] {
     let mut parts = [Part::default(); LOBES];
     let mut all = Lanes::all(f32::MIN_POSITIVE);
     for (part, members) in parts.iter_mut().zip(&members) {
-        part.lobe = scatter::start(atoms, |k| atoms[k].w * members[k]);
+        part.lobe = scatter::start(atoms, |k| atoms[k].w * members[k], shared);
         atoms.iter().zip(members).for_each(|(atom, member)| part.share += atom.w * *member);
         all += part.share;
     }
@@ -56,20 +58,6 @@ pub(super) fn parts<const LOBES: usize>(atoms: &[Atom]) -> [Part; LOBES] {
         lobe.xx = share.above(none, lobe.xx, whole.xx);
         lobe.xy = share.above(none, lobe.xy, whole.xy);
         lobe.yy = share.above(none, lobe.yy, whole.yy);
-    }
-    parts
-}
-
-/// Lobes of the same centre and other widths.
-#[inline(always)]
-pub(super) fn ladder<const LOBES: usize>(whole: &Estimate) -> [Part; LOBES] {
-    let mut parts = [Part::default(); LOBES];
-    let k: f32 = std::env::var("LADDER").map_or(2.0, |s| s.parse().unwrap());
-    for (j, part) in parts.iter_mut().enumerate() {
-        let scale = k.powf(2.0 * j as f32 / (LOBES - 1) as f32 - 1.0);
-        let Estimate { x, y, xx, xy, yy } = *whole;
-        part.lobe = Estimate { x, y, xx: scale * xx, xy: scale * xy, yy: scale * yy };
-        part.share = Lanes::all(1.0 / LOBES as f32);
     }
     parts
 }
@@ -90,19 +78,26 @@ fn place(atom: &Atom) -> [Lanes; 3] {
     [atom.x * z, atom.y * z, (0.5 * (xx + yy)).sqrt() * z]
 }
 
+/// How far an atom reaches from a centre.
+#[inline(always)]
+fn reach(atom: &Atom, from: &Estimate) -> [Lanes; 3] {
+    let (x, y, [xx, _, yy]) = (atom.x - from.x, atom.y - from.y, atom.scatter());
+    [(0.5 * (xx + yy + x * x + y * y)).sqrt(), Lanes::default(), Lanes::default()]
+}
+
 impl Cell {
     #[inline(always)]
-    fn of(atoms: &[Atom], members: &[Lanes]) -> Self {
+    fn of(atoms: &[Atom], places: &[[Lanes; 3]], members: &[Lanes]) -> Self {
         let (mut weight, mut mean) = (Lanes::all(f32::MIN_POSITIVE), [Lanes::default(); 3]);
-        for (atom, member) in atoms.iter().zip(members) {
-            let (w, place) = (atom.w * *member, place(atom));
+        for ((atom, place), member) in atoms.iter().zip(places).zip(members) {
+            let w = atom.w * *member;
             weight += w;
             (0..3).for_each(|q| mean[q] += w * place[q]);
         }
         let mean = mean.map(|v| v * weight.inverse());
         let [mut xx, mut xy, mut yy, mut zz] = [Lanes::default(); 4];
-        for (atom, member) in atoms.iter().zip(members) {
-            let (w, place) = (atom.w * *member, place(atom));
+        for ((atom, place), member) in atoms.iter().zip(places).zip(members) {
+            let w = atom.w * *member;
             let [x, y, z] = [0, 1, 2].map(|q| place[q] - mean[q]);
             xx += w * x * x;
             xy += w * x * y;
