@@ -181,6 +181,34 @@ mod tests {
         }
     }
 
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(32))]
+
+        #[test]
+        fn a_flat_footprint_stays_itself(x in -1.0f32..1.0, y in -1.0f32..1.0, alpha in 0.01f32..0.6, count in 1usize..30) {
+            let texels = vec![(x, y, alpha); count];
+            for form in [Form::Isotropic, Form::Anisotropic] {
+                let (found, own) = (FOLD.lobe(&footprint(&texels, Mat3::IDENTITY), form), footprint(&texels, Mat3::IDENTITY)[0].0);
+                prop_assert!((found.normal - own.normal).length() < 2e-4, "{form:?} {found:?}");
+                prop_assert!((found.roughness.mean() / own.roughness.mean() - 1.0).abs() < 1e-3, "{form:?} {found:?}");
+            }
+        }
+
+        /// Down to the horizon, opposed pairs, mirrors.
+        #[test]
+        fn hostile_texels_stay_finite_and_bounded(
+            texels in prop::collection::vec((-1e3f32..1e3, -10.0f32..10.0, 0.0f32..1.0), 1..20)
+        ) {
+            let texels: Vec<_> = texels.into_iter().map(|(x, y, a)| (x, y, if a < 0.3 { 1e-6 } else { a })).collect();
+            for form in [Form::Isotropic, Form::Anisotropic] {
+                let lobe = FOLD.lobe(&footprint(&texels, Mat3::IDENTITY), form);
+                let axes = lobe.axes();
+                prop_assert!((lobe.normal.length() - 1.0).abs() < 1e-5 && lobe.normal.z > 0.0, "{form:?} {lobe:?}");
+                prop_assert!(axes.alpha_y.0 >= 0.0 && axes.alpha_x.0.is_finite() && axes.angle.is_finite(), "{form:?} {axes:?}");
+            }
+        }
+    }
+
     #[test]
     fn a_footprint_of_two_mirrors_becomes_one_of_them() {
         let texels = [(0.5, 0.0, 0.02), (0.5, 0.0, 0.02), (-0.5, 0.2, 0.02)];

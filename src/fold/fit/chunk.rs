@@ -74,15 +74,12 @@ impl Atom {
         (self.l11.0[i], self.l21.0[i], self.l22.0[i]) = (l11, l21, l22);
     }
 
-    /// Whether the squared width of any footprint's atom is more than so many times that of another atom, or less.
+    /// Whether alpha^2 of any footprint's atom is more than so many times that of another atom, or less.
     #[inline(always)]
     pub fn differs(&self, other: &Self, ratio: f32) -> bool {
-        let size = |atom: &Self| {
-            let [xx, _, yy] = atom.scatter();
-            xx + yy
-        };
-        let (a, b) = (size(self), size(other));
-        (0..LANES).any(|i| a.0[i] > ratio * b.0[i] || b.0[i] > ratio * a.0[i])
+        // The root of a narrow lobe's determinant is alpha^2 over the cube of n_z.
+        let size = |atom: &Self, i: usize| atom.l11.0[i] * atom.l22.0[i] / atom.tilt.0[i].powi(3);
+        (0..LANES).any(|i| size(self, i) > ratio * size(other, i) || size(other, i) > ratio * size(self, i))
     }
 
     /// The scatter xx xy yy.

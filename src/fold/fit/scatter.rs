@@ -42,6 +42,12 @@ const STEPS: usize = 3;
 /// Ratio of squared widths from which texels are smooth and rough ones: that of alpha is 2.
 const UNLIKE: f32 = 4.0;
 
+/// How much more another lobe must cover than the first.
+const MORE: f32 = 1.02;
+
+/// Share by which smooth ones are preferred: of two texels alone, each covers as much.
+const SMOOTH: f32 = 0.02;
+
 /// The estimate so far: centre and scatter.
 #[derive(Clone, Copy, Default)]
 pub struct Estimate {
@@ -119,8 +125,9 @@ impl Seen {
 
 /// The closest lobe of each footprint.
 ///
-/// Smooth and rough texels together may leave two to choose from, about the smooth ones and about all: of these it is the
-/// one that covers more.
+/// Smooth and rough texels together may leave some to choose from, about all, about the smooth ones and about the texel that
+/// is most typical: of these it is the
+/// one that covers most.
 #[inline(always)]
 pub fn closest(chunk: &Chunk, form: Form) -> Estimate {
     let atoms = &chunk.atoms;
@@ -134,24 +141,25 @@ pub fn closest(chunk: &Chunk, form: Form) -> Estimate {
         let mut most = covered(atoms, &first);
         let mut typical = start(atoms, smooth, None);
         (0..2 * STEPS).for_each(|_| step::<true>(atoms, form, chunk.normal[2], &mut typical));
-        typical.replace_if_better(atoms, &mut first, &mut most);
+        typical.replace_if_better(atoms, MORE, &mut first, &mut most);
         let (mut typical, mut best) = (Estimate::default(), Lanes::default());
         for a in atoms {
             let [xx, xy, yy] = a.scatter();
-            Estimate { x: a.x, y: a.y, xx, xy, yy }.replace_if_better(atoms, &mut typical, &mut best);
+            Estimate { x: a.x, y: a.y, xx, xy, yy }.replace_if_better(atoms, 1.0, &mut typical, &mut best);
         }
         (0..2 * STEPS).for_each(|_| step::<true>(atoms, form, chunk.normal[2], &mut typical));
-        typical.replace_if_better(atoms, &mut first, &mut most);
+        typical.replace_if_better(atoms, MORE, &mut first, &mut most);
     }
     first
 }
 
 impl Estimate {
-    /// Takes the place of another where it covers more.
+    /// Takes the place of another where it covers so many times more.
     #[inline(always)]
-    fn replace_if_better(self, atoms: &[Atom], other: &mut Self, most: &mut Lanes) {
+    fn replace_if_better(self, atoms: &[Atom], more: f32, other: &mut Self, most: &mut Lanes) {
         let own = covered(atoms, &self);
-        let pick = |new: Lanes, old: Lanes| own.above(*most, new, old);
+        let least = more * *most;
+        let pick = |new: Lanes, old: Lanes| own.above(least, new, old);
         *other = Self {
             x: pick(self.x, other.x),
             y: pick(self.y, other.y),
@@ -175,7 +183,7 @@ fn covered(atoms: &[Atom], e: &Estimate) -> Lanes {
         let both = (xx * yy - xy * xy).max(f32::MIN_POSITIVE);
         sum += a.w * (4.0 * own * a.l11 * a.l22 * both.inverse()).sqrt();
     }
-    sum
+    sum * (-SMOOTH * own.min(1.0) + 1.0)
 }
 
 /// A start that needs no iteration: the mean slope, or the centre of `about`, and the second moments about it, each weighed
@@ -211,7 +219,7 @@ pub fn start(atoms: &[Atom], weight: impl Fn(usize) -> Lanes, about: Option<&Est
 
 /// One step. `up` is the z of the mean normal.
 #[inline(always)]
-fn step<const SMOOTH: bool>(atoms: &[Atom], form: Form, up: Lanes, e: &mut Estimate) {
+fn step<const ROBUST: bool>(atoms: &[Atom], form: Form, up: Lanes, e: &mut Estimate) {
     let m = Metric::new(e);
     // Sums of w, w d, w d d^T; the parts of tr(P^-1 w d d^T) that lie between atoms and in all.
     let mut sums = [Lanes::default(); 8];
@@ -241,7 +249,7 @@ fn step<const SMOOTH: bool>(atoms: &[Atom], form: Form, up: Lanes, e: &mut Estim
         let (e1, e2) = (r1 * v1 + r2 * (v3 + v4), r2 * (v3 - v4));
         let (ex, ey) = (ax * e1 + bx * e2, ay * e1 + by * e2);
         let mean = 0.125 * all;
-        let g = atom.w * if SMOOTH { mean } else { mean.sqrt() };
+        let g = atom.w * if ROBUST { mean } else { mean.sqrt() };
         let sxx = all * dx * dx + 2.0 * dx * ex + c11 * ax * ax + 2.0 * c12 * ax * bx + c22 * bx * bx;
         let sxy = all * dx * dy + dx * ey + dy * ex + c11 * ax * ay + c12 * (ax * by + ay * bx) + c22 * bx * by;
         let syy = all * dy * dy + 2.0 * dy * ey + c11 * ay * ay + 2.0 * c12 * ay * by + c22 * by * by;
@@ -261,7 +269,7 @@ fn step<const SMOOTH: bool>(atoms: &[Atom], form: Form, up: Lanes, e: &mut Estim
     // that P = 2 (1 + LEAN) E[w^LEAN w d d^T] / E[w^LEAN w]; for a single atom nothing leans, and for a slight smear
     // as good as nothing.
     let apart = (between * whole.max(f32::MIN_POSITIVE).inverse()).min(1.0);
-    let scale = 2.0 * (if SMOOTH { 1.0 } else { LEAN } * apart * apart + 1.0);
+    let scale = 2.0 * (if ROBUST { 1.0 } else { LEAN } * apart * apart + 1.0);
     let mut next = *e;
     (next.x, next.y) = (e.x + x, e.y + y);
     next.xx = scale * (xx * inverse - x * x);

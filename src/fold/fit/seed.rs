@@ -30,9 +30,11 @@ pub(super) fn parts<const LOBES: usize>(atoms: &[Atom], shared: Option<&Estimate
             });
             widest.cost = other.above(Lanes::default(), widest.cost, cell.cost);
         }
+        let [x, y, z] = widest.axis;
+        let nothing = NOTHING * (x * x + y * y + z * z).sqrt();
         for (k, place) in places.iter().enumerate() {
             let [x, y, z] = [0, 1, 2].map(|q| widest.axis[q] * (place[q] - widest.mean[q]));
-            let beyond = (x + y + z).above(Lanes::default(), one, Lanes::default());
+            let beyond = (x + y + z).above(nothing, one, Lanes::default());
             for part in 0..next {
                 let moved = members[part][k] * which[part] * beyond;
                 members[part][k] = members[part][k] - moved;
@@ -61,6 +63,9 @@ pub(super) fn parts<const LOBES: usize>(atoms: &[Atom], shared: Option<&Estimate
     }
     parts
 }
+
+/// Distance that rounding alone may make.
+const NOTHING: f32 = 3e-5;
 
 /// What a cut of a part needs.
 #[derive(Clone, Copy, Default)]
