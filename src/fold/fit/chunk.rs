@@ -74,12 +74,17 @@ impl Atom {
         (self.l11.0[i], self.l21.0[i], self.l22.0[i]) = (l11, l21, l22);
     }
 
-    /// Whether alpha^2 of any footprint's atom is more than so many times that of another atom, or less.
+    /// 1 where alpha^2 is more than so many times that of another atom, or less; else 0.
     #[inline(always)]
-    pub fn differs(&self, other: &Self, ratio: f32) -> bool {
+    pub fn unlike(&self, other: &Self, ratio: f32) -> Lanes {
         // The root of a narrow lobe's determinant is alpha^2 over the cube of n_z.
         let size = |atom: &Self, i: usize| atom.l11.0[i] * atom.l22.0[i] / atom.tilt.0[i].powi(3);
-        (0..LANES).any(|i| size(self, i) > ratio * size(other, i) || size(other, i) > ratio * size(self, i))
+        let mut unlike = Lanes::default();
+        for i in 0..LANES {
+            let (a, b) = (size(self, i), size(other, i));
+            unlike.0[i] = if a > ratio * b || b > ratio * a { 1.0 } else { 0.0 };
+        }
+        unlike
     }
 
     /// The scatter xx xy yy.

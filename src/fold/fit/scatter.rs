@@ -133,12 +133,14 @@ pub fn closest(chunk: &Chunk, form: Form) -> Estimate {
     let atoms = &chunk.atoms;
     let mut first = start(atoms, |k| atoms[k].w, None);
     (0..STEPS).for_each(|_| step::<false>(atoms, form, chunk.normal[2], &mut first));
-    if atoms.iter().any(|atom| atom.differs(&atoms[0], UNLIKE)) {
+    let unlike = atoms.iter().fold(Lanes::default(), |all, atom| all + atom.unlike(&atoms[0], UNLIKE));
+    if unlike != Lanes::default() {
         let smooth = |k: usize| {
             let [xx, _, yy] = atoms[k].scatter();
             atoms[k].w * (xx + yy).max(LEAST).inverse()
         };
-        let mut most = covered(atoms, &first);
+        // Others in the chunk keep their first.
+        let mut most = unlike.above(Lanes::default(), covered(atoms, &first), Lanes::all(f32::INFINITY));
         let mut typical = start(atoms, smooth, None);
         (0..2 * STEPS).for_each(|_| step::<true>(atoms, form, chunk.normal[2], &mut typical));
         typical.replace_if_better(atoms, MORE, &mut first, &mut most);
@@ -183,7 +185,7 @@ fn covered(atoms: &[Atom], e: &Estimate) -> Lanes {
         let both = (xx * yy - xy * xy).max(f32::MIN_POSITIVE);
         sum += a.w * (4.0 * own * a.l11 * a.l22 * both.inverse()).sqrt();
     }
-    sum * (-SMOOTH * own.min(1.0) + 1.0)
+    sum * (-SMOOTH * own * (own + 1.0).inverse() + 1.0)
 }
 
 /// A start that needs no iteration: the mean slope, or the centre of `about`, and the second moments about it, each weighed

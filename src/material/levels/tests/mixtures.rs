@@ -178,7 +178,11 @@ fn maps_are_what_the_manifest_says() {
 /// A fold that gives fewer lobes than were asked for has the others with weight 0.
 #[test]
 fn lobes_that_are_not_there_weigh_nothing() {
-    let build = build_with(|_| {}, Options { lobes: 2, ..Options::default() }, |_, _| ());
+    let alone = |_, lobes: &mut Lobes| {
+        let lobe = |j: usize, x, y| (lobes.at(x, y), if j == 0 { 1.0 } else { 0.0 });
+        *lobes = Lobes::mixed_from_fn(lobes.form(), 2, lobes.size(), lobe);
+    };
+    let build = build_with(|_| {}, Options { lobes: 2, ..Options::default() }, alone);
     let chain = build.read(Container::Png);
     assert_eq!((chain.levels[2].count(), chain.levels[2].slot(1, 0, 0).1), (2, 0.0));
     assert_eq!(chain.levels[2].mixture(0, 0).count(), 1);
