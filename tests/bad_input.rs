@@ -202,7 +202,7 @@ fn one_hostile_texel_does_not_poison_coarse_levels() {
     };
     png8(&desk.at("good.png"), (256, 256), gentle);
     png8(&desk.at("bad.png"), (256, 256), |x, y| if (x, y) == (77, 91) { vec![255, 128, 128] } else { gentle(x, y) });
-    for fold in FOLDS {
+    for fold in FOLDS.iter().filter(|fold| !fold.is_slow()) {
         let alpha = |file: &str| {
             let name = fold.name;
             let out = format!("{name}-{file}");
