@@ -29,7 +29,7 @@ use crate::error::{Error, Result};
 use crate::moments::{Moments, Needs, plane};
 use crate::ndf::{Form, Lobe, SlopeLobe};
 use crate::roughness::Alpha;
-use crate::summary::Entry;
+use crate::summary::{self, Entry};
 
 /// A way to replace a footprint by one lobe.
 pub struct Fold {
@@ -87,6 +87,9 @@ pub static FOLDS: &[Fold] = &[
 /// The fold that is used when none is named.
 pub static DEFAULT_FOLD: &Fold = &ggx::FOLD;
 
+/// Lobes by which a single footprint is summarised; searches may look at all pairs.
+const MOST_ENTRIES: usize = 256;
+
 impl Fold {
     /// The fold of this name.
     ///
@@ -135,7 +138,8 @@ impl Fold {
             Method::Moments(fold) => rows::one(fold.rows(form), &moments),
             Method::Lobes { fit, .. } => {
                 let entry = |(lobe, weight): &(Lobe, f32)| Entry { weight: *weight, lobe: SlopeLobe::new(lobe) };
-                let entries: Vec<Entry> = footprint.iter().map(entry).collect();
+                let mut entries: Vec<Entry> = footprint.iter().map(entry).collect();
+                summary::merge_to(&mut entries, MOST_ENTRIES, &mut summary::Scratch::default());
                 fit::one(*fit, fit::Shape { form, shared_normal: false }, 1, &entries, rows::unit(moments.normal()))[0]
                     .0
             }
