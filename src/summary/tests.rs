@@ -83,7 +83,6 @@ fn a_summary_is_close_to_what_it_stands_for() {
             *mean += apart / 20.0;
         }
     }
-    println!("4 lobes {:.4}, 16 lobes {:.4}", means[0], means[1]);
     assert!(means[1] < 0.1 && means[1] < 0.5 * means[0], "{means:?}");
 }
 

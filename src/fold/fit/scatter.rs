@@ -19,7 +19,7 @@ use super::lanes::{LANES, Lanes};
 use crate::ndf::{Form, RoughnessTensor, SlopeLobe};
 
 /// Squared radii of the rings: `u / (1 - u)` at `u = 1/2 -+ 1/(2 sqrt 3)`, so `2 -+ sqrt 3`.
-const RING2: [f32; 2] = [0.267_949_2, 3.732_050_8];
+const RING2: [f32; 2] = [0.267_949_2, 3.732_051];
 
 /// Radii of the rings.
 pub(super) const RING: [f32; 2] = [0.517_638_1, 1.931_851_7];

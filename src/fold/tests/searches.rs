@@ -41,7 +41,6 @@ fn texels_drawn_from_a_lobe_give_it_back_roughly() {
             for (found, bounds) in bounds {
                 let off = (found.normal - normal).length() / alpha_x;
                 let widths = [found.axes().alpha_x.0 / alpha_x, found.axes().alpha_y.0 / alpha_y];
-                println!("{} {form:?} {tilt} {alpha_x} {alpha_y}: off {off:.3}, widths {widths:?}", fold.name);
                 assert!(off < 0.1, "{} {form:?}, {alpha_x}: off by {off} widths", fold.name);
                 assert!(widths.iter().all(|w| bounds.contains(w)), "{} {form:?}, {alpha_x}: {widths:?}", fold.name);
             }
@@ -75,7 +74,6 @@ fn what_varies_smoothly_is_folded_smoothly() {
         let [across, down] = variation(Fold::by_name("projected").unwrap(), form);
         for fold in FOLDS.iter().filter(|fold| fold.has_mixtures()) {
             let [a, d] = variation(fold, form);
-            println!("{} {form:?}: {a} of {across}, {d} of {down}", fold.name);
             assert!(a < 1.5 * across && d < 1.5 * down, "{} {form:?}: {a} of {across}, {d} of {down}", fold.name);
         }
     }
