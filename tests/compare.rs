@@ -333,7 +333,7 @@ fn every_container_is_right_at_level_0_and_close_to_the_others() {
         }
     }
     // A fold on the fly is the fold that was built.
-    let report = json(&desk, &format!("@out,container=lobes --fold projected {QUICK}"));
+    let report = json(&desk, &format!("@out,container=lobes --fold ggx {QUICK}"));
     for level in 0..3 {
         assert!((error(&report, 0, level) - error(&report, 1, level)).abs() < 1e-4);
     }
