@@ -126,8 +126,7 @@ impl Seen {
 /// The closest lobe of each footprint.
 ///
 /// Smooth and rough texels together may leave some to choose from, about all, about the smooth ones and about the texel that
-/// is most typical: of these it is the
-/// one that covers most.
+/// is most typical: of these it is the one that covers most.
 #[inline(always)]
 pub fn closest(chunk: &Chunk, form: Form) -> Estimate {
     let atoms = &chunk.atoms;
@@ -161,15 +160,21 @@ impl Estimate {
     fn replace_if_better(self, atoms: &[Atom], more: f32, other: &mut Self, most: &mut Lanes) {
         let own = covered(atoms, &self);
         let least = more * *most;
-        let pick = |new: Lanes, old: Lanes| own.above(least, new, old);
-        *other = Self {
+        *other = self.where_above(own, least, *other);
+        *most = own.above(least, own, *most);
+    }
+
+    /// This one where `value` is larger than `least`, else the other.
+    #[inline(always)]
+    pub fn where_above(self, value: Lanes, least: Lanes, other: Self) -> Self {
+        let pick = |own: Lanes, other: Lanes| value.above(least, own, other);
+        Self {
             x: pick(self.x, other.x),
             y: pick(self.y, other.y),
             xx: pick(self.xx, other.xx),
             xy: pick(self.xy, other.xy),
             yy: pick(self.yy, other.yy),
-        };
-        *most = pick(own, *most);
+        }
     }
 }
 
@@ -288,11 +293,7 @@ impl Estimate {
         if form == Form::Isotropic {
             self.round(up * up);
         }
-        out.x = weight.above(least, self.x, out.x);
-        out.y = weight.above(least, self.y, out.y);
-        out.xx = weight.above(least, self.xx, out.xx);
-        out.xy = weight.above(least, self.xy, out.xy);
-        out.yy = weight.above(least, self.yy, out.yy);
+        *out = self.where_above(weight, least, *out);
     }
 
     /// Takes the scatter of a lobe of one width about this centre: the mean of its own in that one's metric. `up2` is the

@@ -53,13 +53,7 @@ pub(super) fn parts<const LOBES: usize>(atoms: &[Atom], shared: Option<&Estimate
     for part in &mut parts {
         part.share *= all.inverse();
         // Nothing was cut off: still a lobe.
-        let (share, none) = (part.share, Lanes::default());
-        let lobe = &mut part.lobe;
-        lobe.x = share.above(none, lobe.x, whole.x);
-        lobe.y = share.above(none, lobe.y, whole.y);
-        lobe.xx = share.above(none, lobe.xx, whole.xx);
-        lobe.xy = share.above(none, lobe.xy, whole.xy);
-        lobe.yy = share.above(none, lobe.yy, whole.yy);
+        part.lobe = part.lobe.where_above(part.share, Lanes::default(), whole);
     }
     parts
 }
