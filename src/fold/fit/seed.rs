@@ -1,4 +1,4 @@
-//! Where the lobes of a mixture start: the footprint cut in parts.
+//! The footprint cut in parts, each a lobe: where the lobes of a mixture start.
 
 use super::chunk::Atom;
 use super::lanes::Lanes;
@@ -44,14 +44,21 @@ pub(super) fn parts<const LOBES: usize>(atoms: &[Atom], shared: Option<&Estimate
     }
     let mut parts = [Part::default(); LOBES];
     let mut all = Lanes::all(f32::MIN_POSITIVE);
+    let mut all_area = all;
     for (part, members) in parts.iter_mut().zip(&members) {
         part.lobe = scatter::start(atoms, |k| atoms[k].w * members[k], shared);
-        atoms.iter().zip(members).for_each(|(atom, member)| part.share += atom.w * *member);
+        atoms.iter().zip(members).for_each(|(atom, member)| {
+            let weight = atom.w * *member;
+            part.share += weight;
+            part.area += weight * atom.tilt;
+        });
         all += part.share;
+        all_area += part.area;
     }
     let whole = parts[0].lobe;
     for part in &mut parts {
         part.share *= all.inverse();
+        part.area *= all_area.inverse();
         // Nothing was cut off: still a lobe.
         part.lobe = part.lobe.where_above(part.share, Lanes::default(), whole);
     }
