@@ -113,8 +113,9 @@ impl Map<'_> {
         }
     }
 
-    /// No level is smoother than the plain average. `true` if some level is clearly rougher.
-    fn never_smoother_than_average(&self) -> bool {
+    /// No level is smoother than the smoothest texel of its footprint. `true` if some level is clearly rougher than the plain
+    /// average.
+    fn never_smoother_than_the_smoothest(&self) -> bool {
         let roughness = |level: &Raster| {
             let rough = self.channel("perceptual-roughness").map(|c| plane(level, c));
             let smooth = || plane(level, self.channel("smoothness").unwrap()).into_iter().map(|v| 1.0 - v).collect();
@@ -127,14 +128,26 @@ impl Map<'_> {
         let base = roughness(&self.levels[0]);
         for (k, level) in self.levels.iter().enumerate().skip(1) {
             let average = shrink(&base, self.size(), level.size());
-            for (i, (got, average)) in roughness(level).iter().zip(&average).enumerate() {
-                let excess = f64::from(*got) - average;
-                assert!(excess >= -self.rounding(), "{} level {k} texel {i}: {got} for {average}", self.name);
-                most = f64::max(most, excess);
+            let smoothest = least(&base, self.size(), level.size());
+            for (i, got) in roughness(level).iter().map(|got| f64::from(*got)).enumerate() {
+                let least = f64::from(smoothest[i]) - self.rounding();
+                assert!(got >= least, "{} level {k} texel {i}: {got} for {least}", self.name);
+                most = f64::max(most, got - average[i]);
             }
         }
         most > 0.05
     }
+}
+
+/// The least value in the footprint of each texel of a smaller level.
+fn least(values: &[f32], from: Size, to: Size) -> Vec<f32> {
+    let span = |i: usize, n: usize, m: usize| i * n / m..((i + 1) * n).div_ceil(m);
+    let texel = |i: usize| {
+        let rows = span(i / to.width, from.height, to.height);
+        let columns = span(i % to.width, from.width, to.width);
+        rows.flat_map(|y| &values[y * from.width..][columns.clone()]).copied().fold(f32::INFINITY, f32::min)
+    };
+    (0..to.texels()).into_par_iter().map(texel).collect()
 }
 
 /// Everything that holds for any material. Whether it has channels that are not ours, and whether it got rougher.
@@ -187,7 +200,7 @@ fn hold(built: &Value) -> (bool, bool) {
         map.normals_are_unit();
         // Texels without a normal do not count in the fold, but do in a plain average.
         if complete {
-            rougher |= map.never_smoother_than_average();
+            rougher |= map.never_smoother_than_the_smoothest();
         }
     }
     // Heights become normals under another name.

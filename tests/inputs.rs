@@ -192,7 +192,7 @@ fn palettes_and_single_bits_are_expanded() {
     let desk = Desk::empty();
     bumps(&desk.at("n.png"), (8, 8));
     odd_png(&desk.at("bit.png"), png::ColorType::Grayscale, png::BitDepth::One, &[], &[0b0101_0101; 8]);
-    let bits = png_levels(&desk.build("bit", "--normal @n.png --roughness @bit.png"), "bit");
+    let bits = png_levels(&desk.build("bit", "--normal @n.png --roughness @bit.png --at-least-average"), "bit");
     assert_eq!(integers(&bits[0]).0[..4], [0, 255, 0, 255]);
     assert!(integers(&bits[1]).0.iter().all(|v| *v > 127));
 
@@ -305,7 +305,7 @@ fn brushed_metal_is_anisotropic_across_its_grain() {
             let across = r[i] * r[i];
             let along = across + (1.0 - across) * strength[i] * strength[i];
             assert!((across - narrow[i]).abs() < 0.003 && (along - wide[i]).abs() < 0.006, "level {k} texel {i}");
-            assert!(along > 1.4 * across, "level {k} texel {i}: {along} along, {across} across");
+            assert!(along > 1.3 * across, "level {k} texel {i}: {along} along, {across} across");
             let (cos, sin) = (2.0 * x[i] - 1.0, 2.0 * y[i] - 1.0);
             assert!(sin.abs() > 0.97 && cos.abs() < 0.25, "level {k} texel {i}: direction {cos} {sin}");
         }

@@ -184,6 +184,9 @@ pub struct FoldArgs {
     /// Share of the lost bumps that is folded in: 0 none, 1 all; more exaggerates
     #[arg(long, value_name = "S", default_value = "1", value_parser = not_negative)]
     pub strength: f32,
+    /// Make no level smoother than the plain average of the roughness; where smooth and rough texels meet, 'ggx' may be
+    #[arg(long)]
+    pub at_least_average: bool,
     /// Smallest alpha (perceptual roughness squared) in any level but the first
     #[arg(long, value_name = "A", default_value = "0", value_parser = unit)]
     pub min_alpha: f32,
@@ -255,6 +258,7 @@ impl FoldArgs {
             lobes: lobes.count(),
             shared_normal: lobes.shared_normal(),
             strength: self.strength,
+            at_least_average: self.at_least_average,
             min_alpha: Alpha(self.min_alpha),
             max_alpha: Alpha(self.max_alpha),
             slope_moments,

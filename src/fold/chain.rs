@@ -37,6 +37,9 @@ pub struct Options {
     pub shared_normal: bool,
     /// Share of what the fold adds to the mean alpha^2: 0 nothing, 1 all of it; more exaggerates. `average` adds nothing.
     pub strength: f32,
+    /// Whether a lobe's squared width, or the mean of both, is at least that of the mean perceptual roughness. Folds that
+    /// search may otherwise follow the smooth texels of a footprint of smooth and rough ones.
+    pub at_least_average: bool,
     /// Smallest width written in any level but the first.
     pub min_alpha: Alpha,
     /// Largest width written in any level but the first.
@@ -55,6 +58,7 @@ impl Default for Options {
             lobes: 1,
             shared_normal: false,
             strength: 1.0,
+            at_least_average: false,
             min_alpha: Alpha(0.0),
             max_alpha: Alpha(1.0),
             slope_moments: false,
@@ -95,6 +99,7 @@ pub fn chain_telling(texels: &dyn Texels, options: &Options, done: &(dyn Fn(f64)
     };
     let needs = needs.and(if options.slope_moments { Needs::SLOPE_COV } else { Needs::NORMAL });
     let needs = if options.strength == 1.0 { needs } else { needs.and(Needs::TENSOR) };
+    let needs = if options.at_least_average { needs.and(Needs::PERCEPTUAL) } else { needs };
     let layout = Layout::new(needs, !texels.is_anisotropic(), texels.extras());
     let count = size.level_count();
     let mut levels: Vec<_> = (1..count).map(|k| Level::zeros(options, size.level(k), texels.extras())).collect();

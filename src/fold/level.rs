@@ -7,6 +7,7 @@ use super::{LobeRow, Method, MomentRow, Options, fit};
 use crate::image::Size;
 use crate::moments::{Block, Layout, plane};
 use crate::ndf::{Form, Lobes, RoughnessTensor};
+use crate::roughness::PerceptualRoughness;
 use crate::summary::Summaries;
 
 /// One level of a [`super::Chain`].
@@ -135,8 +136,9 @@ impl Band<'_> {
     }
 }
 
-/// Strength and bounds: `R = base + strength (fold - base)`, eigenvalues clamped. A fold that does not start from the
-/// mean tensor adds nothing to it that could be scaled. `planes` are those of a lobe.
+/// Strength and bounds: `R = base + strength (fold - base)`, scaled up to the plain average if that is asked for, eigenvalues
+/// clamped. A fold that does not start from the mean tensor adds nothing to it that could be scaled. `planes` are those of
+/// a lobe.
 fn limit(options: &Options, form: Form, row: &MomentRow, planes: &mut [&mut [f32]]) {
     let (low, high) = (options.min_alpha.squared(), options.max_alpha.squared());
     let n = planes[0].len();
@@ -144,6 +146,8 @@ fn limit(options: &Options, form: Form, row: &MomentRow, planes: &mut [&mut [f32
     let scaled = k != 1.0 && options.fold.widens();
     let [bxx, bxy, byy] = [0, 1, 2].map(|i| &row.plane(plane::TENSOR + i)[..n]);
     let base = |i: usize| RoughnessTensor { xx: bxx[i], xy: bxy[i], yy: byy[i] };
+    let plain = options.at_least_average.then(|| &row.plane(plane::PERCEPTUAL)[..n]);
+    let plain = |i: usize| plain.map_or(0.0, |p| PerceptualRoughness(p[i]).alpha().squared());
     match form {
         Form::Isotropic => {
             let a2 = &mut planes[3][..n];
@@ -153,7 +157,7 @@ fn limit(options: &Options, form: Form, row: &MomentRow, planes: &mut [&mut [f32
                     a2[i] = base + (a2[i] - base) * k;
                 }
             }
-            a2.iter_mut().for_each(|a2| *a2 = a2.max(low).min(high));
+            a2.iter_mut().enumerate().for_each(|(i, a2)| *a2 = a2.max(plain(i)).max(low).min(high));
         }
         Form::Anisotropic => {
             let [nx, ny, nz, xx, xy, yy, ..] = planes else { unreachable!("two widths are six planes") };
@@ -167,7 +171,9 @@ fn limit(options: &Options, form: Form, row: &MomentRow, planes: &mut [&mut [f32
                 }
             }
             for i in 0..n {
-                let r = RoughnessTensor { xx: xx[i], xy: xy[i], yy: yy[i] }.clamped(low, high);
+                let r = RoughnessTensor { xx: xx[i], xy: xy[i], yy: yy[i] };
+                let raise = plain(i) / r.mean().max(f32::MIN_POSITIVE);
+                let r = if raise > 1.0 { r * raise } else { r }.clamped(low, high);
                 (xx[i], xy[i], yy[i]) = (r.xx, r.xy, r.yy);
             }
         }

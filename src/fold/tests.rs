@@ -7,7 +7,7 @@ use super::*;
 use crate::image::Size;
 use crate::material::Texels;
 use crate::ndf::{Axes, Frame, RoughnessTensor};
-use crate::roughness::Alpha;
+use crate::roughness::{Alpha, PerceptualRoughness};
 
 mod levels;
 mod mixtures;

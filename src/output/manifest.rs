@@ -29,6 +29,7 @@ pub struct Manifest {
     /// Whether these differ in width alone.
     shared_normal: bool,
     strength: f32,
+    at_least_average: bool,
     min_alpha: f32,
     max_alpha: f32,
     normal_y: NormalY,
@@ -96,6 +97,7 @@ impl Manifest {
             count: options.lobes,
             shared_normal: options.shared_normal,
             strength: options.strength,
+            at_least_average: options.at_least_average,
             min_alpha: options.min_alpha.0,
             max_alpha: options.max_alpha.0,
             normal_y: material.normal_y,

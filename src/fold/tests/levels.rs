@@ -96,6 +96,23 @@ fn strength_and_bounds() {
 }
 
 #[test]
+fn smooth_texels_among_rough_ones_win_unless_the_average_is_asked_for() {
+    let rough = |i: usize| if i.is_multiple_of(3) { 0.6 } else { 0.15 };
+    let texels: Vec<_> = (0..64).map(|i| (Vec3::Z, rough(i), 1.0)).collect();
+    let plain = texels.iter().map(|t| t.1).sum::<f32>() / 64.0;
+    let grid = Grid { size: Size::new(8, 8), texels, tensor: None };
+    for form in FORMS {
+        let top = |at_least_average| {
+            let options = Options { form, at_least_average, ..Options::default() };
+            chain(&grid, &options).levels.pop().unwrap().lobes.at(0, 0).roughness.mean()
+        };
+        let average = PerceptualRoughness(plain).alpha().squared();
+        assert!(top(false) < 0.5 * average, "{} {average}", top(false));
+        assert!((top(true) / average - 1.0).abs() < 1e-5, "{} {average}", top(true));
+    }
+}
+
+#[test]
 fn a_constant_tilted_anisotropic_texture_stays_itself_at_any_strength() {
     let axes = Axes { alpha_x: Alpha(0.65), alpha_y: Alpha(0.09), angle: 0.3 };
     let lobe = Lobe { normal: Vec3::new(0.5, 0.4, 0.7).normalize(), roughness: RoughnessTensor::from_axes(axes) };
