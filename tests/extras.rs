@@ -280,7 +280,7 @@ fn maps(textures: &Path) -> Vec<(String, PathBuf)> {
     maps
 }
 
-/// `cargo test --release --test extras table_of_diffuse -- --ignored --nocapture`
+/// `cargo test --test extras table_of_diffuse -- --ignored --nocapture`
 #[test]
 #[ignore = "a minute; its figures are in the README"]
 fn table_of_diffuse_terms_on_all_real_normal_maps() {
@@ -309,7 +309,7 @@ fn mean_scale(level: &Lobes, alpha: f32) -> f64 {
     (0..width * height).map(|i| base / own(i)).sum::<f64>() / (width * height) as f64
 }
 
-/// `cargo test --release --test extras table_of_energy -- --ignored --nocapture`
+/// `cargo test --test extras table_of_energy -- --ignored --nocapture`
 #[test]
 #[ignore = "minutes; its figures are in the README"]
 fn table_of_energy_on_all_real_normal_maps() {

@@ -199,7 +199,7 @@ fn a_material_on_file_is_judged_with_its_own_roughness() {
 
 /// Ranking of the folds: mean lobe error over all real normal maps and levels 1 to 6, by alpha. `ggx-lobe` would take hours
 /// (`tests/best.rs` judges it on parts of maps). Minutes:
-/// `cargo test --release --test judge ranking -- --ignored --nocapture`.
+/// `cargo test --test judge ranking -- --ignored --nocapture`.
 #[test]
 #[ignore = "minutes"]
 fn ranking_of_all_folds_on_all_real_normal_maps() {

@@ -138,7 +138,7 @@ fn row(name: &str, texels: &[Texel]) {
     );
 }
 
-/// `cargo test --release --test tails -- --ignored --nocapture`
+/// `cargo test --test tails -- --ignored --nocapture`
 #[test]
 #[ignore = "minutes; its figures are in the README"]
 fn what_another_tail_would_gain_on_real_maps() {

@@ -4,7 +4,7 @@
 //! Both ways see the same geometry, the same finite list of lights, summed exactly, and the same sky, integrated over the
 //! same points of the lobe, so a difference between two pictures is a difference between their lobes. Nothing casts
 //! shadows. Surfaces are bare metal: GGX with height-correlated
-//! Smith masking as [`Lobe::specular`](crate::ndf::Lobe::specular) and Schlick's Fresnel term. Pictures depend on
+//! Smith masking as [`ShapeInvariant::specular`](crate::ndf::ShapeInvariant::specular) and Schlick's Fresnel term. Pictures depend on
 //! nothing but their arguments, however many threads draw them.
 
 mod environment;

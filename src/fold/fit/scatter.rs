@@ -42,6 +42,13 @@ const STEPS: usize = 3;
 /// Ratio of squared widths from which texels are smooth and rough ones: that of alpha is 2.
 const UNLIKE: f32 = 4.0;
 
+/// Share of a footprint that one lobe covers, below which it has parts that lie apart. On real maps 0.6 and 0.75 did as well.
+const APART: f32 = 0.7;
+
+/// Share that another lobe must cover where widths are alike: no other part could take its place, so that between two equal
+/// ones neither rounding nor a neighbour decides.
+const MAJORITY: f32 = 0.55;
+
 /// How much more another lobe must cover than the first.
 const MORE: f32 = 1.02;
 
@@ -125,21 +132,29 @@ impl Seen {
 
 /// The closest lobe of each footprint.
 ///
-/// Smooth and rough texels together may leave some to choose from, about all, about the smooth ones and about the texel that
-/// is most typical: of these it is the one that covers most.
+/// Parts that lie apart, or smooth and rough texels together, leave some to choose from, about all, about the smooth ones and
+/// about the texel that is most typical: of these it is the one that covers most.
 #[inline(always)]
 pub fn closest(chunk: &Chunk, form: Form) -> Estimate {
     let atoms = &chunk.atoms;
     let mut first = start(atoms, |k| atoms[k].w, None);
     (0..STEPS).for_each(|_| step::<false>(atoms, form, chunk.normal[2], &mut first));
-    let unlike = atoms.iter().fold(Lanes::default(), |all, atom| all + atom.unlike(&atoms[0], UNLIKE));
-    if unlike != Lanes::default() {
+    let (mut unlike, mut all) = (Lanes::default(), Lanes::default());
+    for atom in atoms {
+        unlike += atom.unlike(&atoms[0], UNLIKE);
+        all += atom.w;
+    }
+    let (zero, own) = (Lanes::default(), covered(atoms, &first));
+    let apart = (APART * all).above(own, all, zero);
+    if unlike + apart != zero {
         let smooth = |k: usize| {
             let [xx, _, yy] = atoms[k].scatter();
             atoms[k].w * (xx + yy).max(LEAST).inverse()
         };
         // Others in the chunk keep their first.
-        let mut most = unlike.above(Lanes::default(), covered(atoms, &first), Lanes::all(f32::INFINITY));
+        let majority = own.above(MAJORITY * all, own, MAJORITY * all);
+        let none = Lanes::all(f32::INFINITY);
+        let mut most = unlike.above(zero, own, apart.above(zero, majority, none));
         let mut typical = start(atoms, smooth, None);
         (0..2 * STEPS).for_each(|_| step::<true>(atoms, form, chunk.normal[2], &mut typical));
         typical.replace_if_better(atoms, MORE, &mut first, &mut most);
@@ -338,7 +353,10 @@ impl Estimate {
     }
 }
 
-/// Reads an estimate out as lobes whose normals lie near others, unit or not.
+/// Reads an estimate out as lobes, given unit normals near theirs.
+///
+/// The wider a lobe, the less its slopes say of its normal, and the more its shading depends on that: by alpha^3 it is taken
+/// from the given one. Where steep and rough texels meet that lies closer in lobe error.
 #[inline(always)]
 pub fn read_out(e: &Estimate, form: Form, near: &[Lanes; 3], weight: Lanes) -> Fitted {
     let mut out = Fitted { weight, ..Fitted::default() };
@@ -346,6 +364,8 @@ pub fn read_out(e: &Estimate, form: Form, near: &[Lanes; 3], weight: Lanes) -> F
         let scatter = RoughnessTensor { xx: e.xx.0[i], xy: e.xy.0[i], yy: e.yy.0[i] };
         let near = Vec3::from(near.map(|v| v.0[i]));
         let (n, r) = SlopeLobe { centre: Vec2::new(e.x.0[i], e.y.0[i]), scatter }.near(near);
+        let alpha2 = r.mean().clamp(0.0, 1.0);
+        let n = (n + alpha2 * alpha2.sqrt() * (near - n)).normalize();
         // That of a lobe of one width is round but for rounding.
         let r = if form == Form::Isotropic { RoughnessTensor { xx: r.mean(), xy: 0.0, yy: r.mean() } } else { r };
         (out.normal[0].0[i], out.normal[1].0[i], out.normal[2].0[i]) = (n.x, n.y, n.z);
