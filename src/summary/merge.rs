@@ -40,10 +40,10 @@ pub struct Scratch {
 
 /// One lobe for several, of a weight above 0: the mean centre, and the mean scatter widened by the centres' covariance.
 ///
-/// A Student-t lobe of scatter P smeared by a Gaussian of covariance C is closest, in the sense of Kullback and Leibler, to
-/// one of scatter `P + 2 c C`: c falls from 1 for a slight smear to the root of `x e^x E1(x) = 1/2`, 0.61, for a wide
-/// one. The curve between is within 4 percent. Here `C = E|d| E[d d^T / |d|]` for differences d from the mean: the covariance
-/// of two equal parts, and finite where lobes lie as a lobe's own slopes do, which have no covariance.
+/// Beside a whole that is much wider, a lobe of scatter P counts as second moments do, by its nodes in a fit, whose covariance
+/// is P: so the covariance C of the centres adds to it as it is. (By itself the smeared lobe would be closest to `P + 2 C`
+/// down to `P + 1.2 C`, but many such would widen the whole.) Here `C = E|d| E[d d^T / |d|]` for differences d from the mean:
+/// the covariance of two equal parts, and finite where lobes lie as a lobe's own slopes do, which have no covariance.
 pub fn merge(entries: impl Iterator<Item = Entry> + Clone) -> Entry {
     let weight: f32 = entries.clone().map(|e| e.weight).sum();
     let share = |e: &Entry| e.weight / weight;
@@ -63,14 +63,11 @@ pub fn merge(entries: impl Iterator<Item = Entry> + Clone) -> Entry {
         let scale = share(&e) / off.max(f32::MIN_POSITIVE);
         covariance = covariance + RoughnessTensor { xx: d.x * d.x, xy: d.x * d.y, yy: d.y * d.y } * scale;
     }
-    let covariance = covariance * length;
-    let smear = covariance.mean() / scatter.mean().max(f32::MIN_POSITIVE);
-    let c = 0.61 + 0.39 / (1.0 + 0.75 * smear);
-    Entry { weight, lobe: SlopeLobe { centre, scatter: scatter + covariance * (2.0 * c) } }
+    Entry { weight, lobe: SlopeLobe { centre, scatter: scatter + covariance * length } }
 }
 
 /// Merges `entries` to at most `most`, near ones first: cells are cut at their mean, across the direction in which they
-/// are longest, the cell with the largest weighted sum of squares first.
+/// are longest, the cell with the largest weighted sum of squares first. What is near is measured by the shape of the whole.
 pub fn merge_to(entries: &mut Vec<Entry>, most: usize, scratch: &mut Scratch) {
     if entries.len() <= most {
         return;
@@ -82,6 +79,7 @@ pub fn merge_to(entries: &mut Vec<Entry>, most: usize, scratch: &mut Scratch) {
         let z = 1.0 / (1.0 + centre.length_squared()).sqrt();
         Placed { entry, place: [centre.x * z, centre.y * z, scatter.mean().sqrt() * z] }
     }));
+    relate(placed);
     cells.clear();
     cells.push(cell(placed, 0, placed.len()));
     while cells.len() < most {
@@ -107,6 +105,35 @@ pub fn merge_to(entries: &mut Vec<Entry>, most: usize, scratch: &mut Scratch) {
     }
     entries.clear();
     entries.extend(cells.iter().map(|c| merge(placed[c.start..c.end].iter().map(|p| p.entry))));
+}
+
+/// How much of a round shape is mixed with that of the whole. Without, a long tail makes what lies in it near; with much, lobes
+/// across a long whole are merged.
+const ROUND: f32 = 0.2;
+
+/// Takes places relative to the whole: to its shape, and to its width.
+fn relate(placed: &mut [Placed]) {
+    let (mut weight, mut mean) = (0.0, Vec2::ZERO);
+    for Placed { entry, place: [x, y, _] } in &*placed {
+        weight += entry.weight;
+        mean += entry.weight * Vec2::new(*x, *y);
+    }
+    mean /= weight;
+    let mut whole = RoughnessTensor::default();
+    for Placed { entry, place: [x, y, _] } in &*placed {
+        let SlopeLobe { centre, scatter } = entry.lobe;
+        let (x, y, z2) = (x - mean.x, y - mean.y, 1.0 / (1.0 + centre.length_squared()));
+        whole = whole + (scatter * z2 + RoughnessTensor { xx: x * x, xy: x * y, yy: y * y }) * (entry.weight / weight);
+    }
+    let (middle, round) = (whole.mean(), ROUND * whole.mean());
+    let l11 = (whole.xx + round).sqrt();
+    let l21 = whole.xy / l11;
+    let l22 = (whole.yy + round - l21 * l21).sqrt();
+    for Placed { place: [x, y, z], .. } in placed {
+        *x = (*x - mean.x) / l11;
+        *y = (*y - mean.y - l21 * *x) / l22;
+        *z /= middle.sqrt();
+    }
 }
 
 fn cell(placed: &[Placed], start: usize, end: usize) -> Cell {
