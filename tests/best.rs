@@ -27,8 +27,9 @@ const JUDGED: usize = 1024;
 /// Folds from which a search starts; it starts from the most alike of so many texels too.
 const STARTS: [&str; 3] = ["projected", "ggx", "ggx-lobe"];
 const TEXELS: usize = 16;
-/// Lobes of the mixtures, and their errors over that of the best single lobe, at most.
-const MIXTURES: [(usize, f64); 2] = [(2, 0.85), (4, 0.6)];
+/// Lobes of the mixtures, and their errors over that of the best single lobe, at most: at a constant alpha, and at the maps' own
+/// roughness, where the mean is that of one map of mirrors, all turned differently.
+const MIXTURES: [(usize, [f64; 2]); 2] = [(2, [0.85, 0.95]), (4, [0.6, 0.7])];
 
 /// A square of a map, with its own roughness or a constant alpha.
 struct Square<'a> {
@@ -313,10 +314,9 @@ fn compare(maps: &[&str], alphas: &[Option<f32>], squares: usize) {
                     faults.push(format!("{form:?}, alpha {name}: {what}"));
                 }
             };
-            // Smooth and rough texels together: a few steps from three starts do not always reach the best of its minima.
-            let most = if alpha.is_some() { 1.15 } else { 1.25 };
-            expect(&format!("ggx is {:.3} of the best", g / b), g <= most * b);
+            expect(&format!("ggx is {:.3} of the best", g / b), g <= 1.15 * b);
             for ((lobes, most), error) in MIXTURES.into_iter().zip([two, four]) {
+                let most = most[usize::from(alpha.is_none())];
                 expect(&format!("{lobes} lobes are {:.3} of the best one", error / b), error <= most * b);
             }
             expect(&format!("ggx-lobe is {:.3} of the best", s / b), s <= 1.03 * b);

@@ -32,7 +32,7 @@ impl pulp::WithSimd for Closest<'_> {
         match self.out {
             [out] => {
                 let Self { chunk, shape, .. } = self;
-                let estimate = scatter::closest(chunk, shape.form);
+                let estimate = scatter::closest(&chunk.atoms, shape.form, chunk.normal[2]);
                 *out = scatter::read_out(&estimate, shape.form, &chunk.normal, Lanes::all(1.0));
             }
             out => mixture::fit(self.chunk, self.shape, out),

@@ -1,5 +1,5 @@
-//! A few GGX lobes together: those of the footprint's parts, of two lobes moved by expectation maximisation over the same
-//! nodes as those of a single lobe.
+//! A few GGX lobes together: those of the footprint's parts, two of them moved by expectation maximisation over the same nodes
+//! as those of a single lobe, where they then still cover the footprint.
 //!
 //! Based on: D. Peel, G. J. McLachlan, "Robust Mixture Modelling Using the t Distribution", 2000; the scatter's step is that
 //! of Kent, Tyler and Vardi 1994. The footprint is a mixture itself: expectations over its lobes replace sums over samples.
@@ -9,7 +9,7 @@ use std::f32::consts::FRAC_1_SQRT_2;
 
 use super::chunk::{Atom, Chunk, Fitted, Shape};
 use super::lanes::Lanes;
-use super::scatter::{self, Estimate, Metric, RING, Seen, closest};
+use super::scatter::{self, Estimate, Metric, RING, Seen, closest, weight};
 use super::seed;
 
 /// Places of the nodes of a lobe along its two axes.
@@ -20,6 +20,9 @@ const NODES: [[f32; 2]; 8] = {
 
 /// Steps of two lobes.
 const STEPS: usize = 3;
+
+/// How much more may be left uncovered after the steps, as a share of what was: beyond, they lead away from the parts.
+const LOSS: f32 = 0.1;
 
 /// Least share of a lobe: below it stays as it is.
 const LEAST_SHARE: f32 = 1e-6;
@@ -48,18 +51,23 @@ pub fn fit(chunk: &Chunk, shape: Shape, out: &mut [Fitted]) {
 #[inline(always)]
 fn fit_some<const LOBES: usize>(chunk: &Chunk, shape: Shape, out: &mut [Fitted]) {
     let atoms = &chunk.atoms;
-    let shared = shape.shared_normal.then(|| closest(chunk, shape.form));
-    let mut parts: [Part; LOBES] = seed::parts(atoms, shared.as_ref());
+    let (form, up) = (shape.form, chunk.normal[2]);
+    let shared = shape.shared_normal.then(|| closest(atoms, form, up));
+    let mut parts: [Part; LOBES] = seed::parts(atoms, form, up, shared.as_ref());
     // Steps lead to the least divergence, away from the least lobe error: two lobes gain by a few, more lobes by none.
     if LOBES == 2 {
-        let mut whole = shared.unwrap_or_else(|| closest(chunk, shape.form));
+        let mut whole = shared.unwrap_or_else(|| closest(atoms, form, up));
         let metric = Metric::new(&mut whole);
         let axes = |atom: &Atom| {
             let Seen { a: [ax, ay], b: [bx, by], .. } = Seen::new(atom, &whole, &metric);
             [ax, ay, bx, by]
         };
         let axes: Vec<[Lanes; 4]> = atoms.iter().map(axes).collect();
-        (0..STEPS).for_each(|_| step(atoms, &axes, shape, &mut parts));
+        let mut moved = parts;
+        (0..STEPS).for_each(|_| step(atoms, &axes, shape, &mut moved));
+        let own = seed::covered(atoms, &parts);
+        let least = own - LOSS * (weight(atoms) - own);
+        seed::choose(&mut parts, &moved, seed::covered(atoms, &moved), least);
     }
     for (part, out) in parts.iter().zip(out.iter_mut()) {
         // Lobes lie anywhere: their normals are looked for from their own centres.

@@ -14,7 +14,7 @@ use std::f32::consts::FRAC_1_SQRT_2;
 
 use glam::{Vec2, Vec3};
 
-use super::chunk::{Atom, Chunk, Fitted};
+use super::chunk::{Atom, Fitted};
 use super::lanes::{LANES, Lanes};
 use crate::ndf::{Form, RoughnessTensor, SlopeLobe};
 
@@ -130,21 +130,16 @@ impl Seen {
     }
 }
 
-/// The closest lobe of each footprint.
+/// The closest lobe of each footprint; `up` is the z of its mean normal.
 ///
 /// Parts that lie apart, or smooth and rough texels together, leave some to choose from, about all, about the smooth ones and
 /// about the texel that is most typical: of these it is the one that covers most.
 #[inline(always)]
-pub fn closest(chunk: &Chunk, form: Form) -> Estimate {
-    let atoms = &chunk.atoms;
+pub fn closest(atoms: &[Atom], form: Form, up: Lanes) -> Estimate {
     let mut first = start(atoms, |k| atoms[k].w, None);
-    (0..STEPS).for_each(|_| step::<false>(atoms, form, chunk.normal[2], &mut first));
-    let (mut unlike, mut all) = (Lanes::default(), Lanes::default());
-    for atom in atoms {
-        unlike += atom.unlike(&atoms[0], UNLIKE);
-        all += atom.w;
-    }
-    let (zero, own) = (Lanes::default(), covered(atoms, &first));
+    (0..STEPS).for_each(|_| step::<false>(atoms, form, up, &mut first));
+    let unlike = atoms.iter().fold(Lanes::default(), |all, atom| all + atom.unlike(&atoms[0], UNLIKE));
+    let (zero, all, own) = (Lanes::default(), weight(atoms), covered(atoms, &first));
     let apart = (APART * all).above(own, all, zero);
     if unlike + apart != zero {
         let smooth = |k: usize| {
@@ -156,14 +151,14 @@ pub fn closest(chunk: &Chunk, form: Form) -> Estimate {
         let none = Lanes::all(f32::INFINITY);
         let mut most = unlike.above(zero, own, apart.above(zero, majority, none));
         let mut typical = start(atoms, smooth, None);
-        (0..2 * STEPS).for_each(|_| step::<true>(atoms, form, chunk.normal[2], &mut typical));
+        (0..2 * STEPS).for_each(|_| step::<true>(atoms, form, up, &mut typical));
         typical.replace_if_better(atoms, MORE, &mut first, &mut most);
         let (mut typical, mut best) = (Estimate::default(), Lanes::default());
         for a in atoms {
             let [xx, xy, yy] = a.scatter();
             Estimate { x: a.x, y: a.y, xx, xy, yy }.replace_if_better(atoms, 1.0, &mut typical, &mut best);
         }
-        (0..2 * STEPS).for_each(|_| step::<true>(atoms, form, chunk.normal[2], &mut typical));
+        (0..2 * STEPS).for_each(|_| step::<true>(atoms, form, up, &mut typical));
         typical.replace_if_better(atoms, MORE, &mut first, &mut most);
     }
     first
@@ -177,6 +172,22 @@ impl Estimate {
         let least = more * *most;
         *other = self.where_above(own, least, *other);
         *most = own.above(least, own, *most);
+    }
+
+    /// Root of the scatter's determinant.
+    #[inline(always)]
+    pub fn area(&self) -> Lanes {
+        (self.xx * self.yy - self.xy * self.xy).max(0.0).sqrt()
+    }
+
+    /// The overlap with an atom, 0 to 1, given the own area: `sqrt(sqrt(det P det Q) / det((P + Q + d d^T) / 2))`. Among
+    /// lobes of one centre and shape that is near the overlap of the densities, `2 / (1 + sqrt r)` for areas of the ratio r.
+    #[inline(always)]
+    pub fn overlap(&self, area: Lanes, atom: &Atom) -> Lanes {
+        let (dx, dy, [xx, xy, yy]) = (atom.x - self.x, atom.y - self.y, atom.scatter());
+        let (xx, xy, yy) = (xx + self.xx + dx * dx, xy + self.xy + dx * dy, yy + self.yy + dy * dy);
+        let both = (xx * yy - xy * xy).max(f32::MIN_POSITIVE);
+        (4.0 * area * atom.l11 * atom.l22 * both.inverse()).sqrt()
     }
 
     /// This one where `value` is larger than `least`, else the other.
@@ -193,19 +204,18 @@ impl Estimate {
     }
 }
 
-/// How much of the atoms a lobe covers: `sum w sqrt(sqrt(det P det Q) / det((P + Q + d d^T) / 2))`. Among lobes of one
-/// centre and shape that is near the overlap of the densities, `2 / (1 + sqrt r)` for areas of the ratio r.
+/// Weight of all atoms.
+#[inline(always)]
+pub fn weight(atoms: &[Atom]) -> Lanes {
+    atoms.iter().fold(Lanes::default(), |all, atom| all + atom.w)
+}
+
+/// How much of the atoms a lobe covers.
 #[inline(always)]
 fn covered(atoms: &[Atom], e: &Estimate) -> Lanes {
-    let own = (e.xx * e.yy - e.xy * e.xy).max(0.0).sqrt();
-    let mut sum = Lanes::default();
-    for a in atoms {
-        let (dx, dy, [xx, xy, yy]) = (a.x - e.x, a.y - e.y, a.scatter());
-        let (xx, xy, yy) = (xx + e.xx + dx * dx, xy + e.xy + dx * dy, yy + e.yy + dy * dy);
-        let both = (xx * yy - xy * xy).max(f32::MIN_POSITIVE);
-        sum += a.w * (4.0 * own * a.l11 * a.l22 * both.inverse()).sqrt();
-    }
-    sum * (-SMOOTH * own * (own + 1.0).inverse() + 1.0)
+    let area = e.area();
+    let sum = atoms.iter().fold(Lanes::default(), |sum, atom| sum + atom.w * e.overlap(area, atom));
+    sum * (-SMOOTH * area * (area + 1.0).inverse() + 1.0)
 }
 
 /// A start that needs no iteration: the mean slope, or the centre of `about`, and the second moments about it, each weighed

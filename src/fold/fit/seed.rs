@@ -4,17 +4,109 @@ use super::chunk::Atom;
 use super::lanes::Lanes;
 use super::mixture::Part;
 use super::scatter::{self, Estimate};
+use crate::ndf::Form;
+
+/// Share of a footprint that its parts cover, below which they are looked for in another way.
+const APART: f32 = 0.8;
+
+/// How many times more the other way must cover.
+const BETTER: f32 = 1.25;
+
+/// Overlap from which a lobe stands for an atom.
+const COVERED: f32 = 0.5;
+
+/// Distance that rounding alone may make.
+const NOTHING: f32 = 3e-5;
+
+/// The parts of the footprint, each a lobe as a single one starts; of those of a common centre, that of `shared`, how far they
+/// reach from it.
+#[inline(always)]
+pub(super) fn parts<const LOBES: usize>(
+    atoms: &[Atom],
+    form: Form,
+    up: Lanes,
+    shared: Option<&Estimate>,
+) -> [Part; LOBES] {
+    let mut parts = lobes(atoms, &cut::<LOBES>(atoms, shared), shared);
+    if shared.is_none() {
+        let own = covered(atoms, &parts);
+        let none = Lanes::all(f32::INFINITY);
+        let apart = (APART * scatter::weight(atoms)).above(own, own, none);
+        if apart != none {
+            let peeled = peel::<LOBES>(atoms, form, up);
+            choose(&mut parts, &peeled, covered(atoms, &peeled), BETTER * apart);
+        }
+    }
+    parts
+}
+
+/// Takes other parts where `value` is larger than `least`.
+#[inline(always)]
+pub(super) fn choose<const LOBES: usize>(
+    parts: &mut [Part; LOBES],
+    others: &[Part; LOBES],
+    value: Lanes,
+    least: Lanes,
+) {
+    for (part, other) in parts.iter_mut().zip(others) {
+        part.lobe = other.lobe.where_above(value, least, part.lobe);
+        part.share = value.above(least, other.share, part.share);
+        part.area = value.above(least, other.area, part.area);
+    }
+}
+
+/// How much of the atoms the parts cover, each atom by the one that covers it best.
+#[inline(always)]
+pub(super) fn covered<const LOBES: usize>(atoms: &[Atom], parts: &[Part; LOBES]) -> Lanes {
+    let areas = parts.map(|part| part.lobe.area());
+    let mut sum = Lanes::default();
+    for atom in atoms {
+        let mut best = Lanes::default();
+        for (part, area) in parts.iter().zip(areas) {
+            let own = part.lobe.overlap(area, atom);
+            best = own.above(best, own, best);
+        }
+        sum += atom.w * best;
+    }
+    sum
+}
+
+/// Whether an atom belongs to a part: 0 or 1.
+type Members<const LOBES: usize> = [Vec<Lanes>; LOBES];
+
+/// Takes from what is left, again and again, what its closest lobe covers; the last part is all that is then left, and its
+/// closest lobe.
+#[inline(always)]
+fn peel<const LOBES: usize>(atoms: &[Atom], form: Form, up: Lanes) -> [Part; LOBES] {
+    let mut members: Members<LOBES> = std::array::from_fn(|_| vec![Lanes::default(); atoms.len()]);
+    let mut rest = atoms.to_vec();
+    members[LOBES - 1].fill(Lanes::all(1.0));
+    for part in 0..LOBES - 1 {
+        let lobe = scatter::closest(&rest, form, up);
+        let area = lobe.area();
+        for (k, atom) in rest.iter_mut().enumerate() {
+            let left = members[LOBES - 1][k];
+            let taken = lobe.overlap(area, atom).above(Lanes::all(COVERED), left, Lanes::default());
+            members[part][k] = taken;
+            members[LOBES - 1][k] = left - taken;
+            atom.w = taken.above(Lanes::default(), Lanes::default(), atom.w);
+        }
+    }
+    let mut parts = lobes(atoms, &members, None);
+    let Part { lobe, share, .. } = &mut parts[LOBES - 1];
+    *lobe = scatter::closest(&rest, form, up).where_above(*share, Lanes::default(), *lobe);
+    parts
+}
 
 /// Cuts the part with the largest weighted sum of squares at its mean, across the direction in which it is longest among
-/// centre and width, until there are enough; each part starts as a single lobe does. Parts that share a centre, that of
-/// `shared`, are cut by how far they reach from it.
+/// centre and width, until there are enough. Parts that share a centre, that of `shared`, are cut by how far they reach from
+/// it.
 #[inline(always)]
-pub(super) fn parts<const LOBES: usize>(atoms: &[Atom], shared: Option<&Estimate>) -> [Part; LOBES] {
+fn cut<const LOBES: usize>(atoms: &[Atom], shared: Option<&Estimate>) -> Members<LOBES> {
     let places: Vec<[Lanes; 3]> =
         atoms.iter().map(|atom| shared.map_or_else(|| place(atom), |e| reach(atom, e))).collect();
     let one = Lanes::all(1.0);
-    // Whether an atom belongs to a part: 0 or 1.
-    let mut members: [Vec<Lanes>; LOBES] = std::array::from_fn(|_| vec![Lanes::default(); atoms.len()]);
+    let mut members: Members<LOBES> = std::array::from_fn(|_| vec![Lanes::default(); atoms.len()]);
     members[0].fill(one);
     for next in 1..LOBES {
         let (mut widest, mut which) = (Cell::default(), [Lanes::default(); LOBES]);
@@ -42,10 +134,16 @@ pub(super) fn parts<const LOBES: usize>(atoms: &[Atom], shared: Option<&Estimate
             }
         }
     }
+    members
+}
+
+/// The lobe of each part.
+#[inline(always)]
+fn lobes<const LOBES: usize>(atoms: &[Atom], members: &Members<LOBES>, shared: Option<&Estimate>) -> [Part; LOBES] {
     let mut parts = [Part::default(); LOBES];
     let mut all = Lanes::all(f32::MIN_POSITIVE);
     let mut all_area = all;
-    for (part, members) in parts.iter_mut().zip(&members) {
+    for (part, members) in parts.iter_mut().zip(members) {
         part.lobe = scatter::start(atoms, |k| atoms[k].w * members[k], shared);
         atoms.iter().zip(members).for_each(|(atom, member)| {
             let weight = atom.w * *member;
@@ -64,9 +162,6 @@ pub(super) fn parts<const LOBES: usize>(atoms: &[Atom], shared: Option<&Estimate
     }
     parts
 }
-
-/// Distance that rounding alone may make.
-const NOTHING: f32 = 3e-5;
 
 /// What a cut of a part needs.
 #[derive(Clone, Copy, Default)]

@@ -37,7 +37,7 @@ fn texels_drawn_from_a_lobe_give_it_back_roughly() {
             let texels: Vec<_> = grid.texels.iter().map(|&(n, r, _)| texel(n, r)).collect();
             let top = chain(&grid, &Options { fold, form, ..Options::default() }).levels.pop().unwrap();
             // Robustness takes width away, and the merging of what lies far out adds more.
-            let bounds = [(fold.lobe(&texels, form), 0.9..1.2), (top.lobes.at(0, 0), 0.9..1.25)];
+            let bounds = [(fold.lobe(&texels, form), 0.85..1.15), (top.lobes.at(0, 0), 0.9..1.25)];
             for (found, bounds) in bounds {
                 let off = (found.normal - normal).length() / alpha_x;
                 let widths = [found.axes().alpha_x.0 / alpha_x, found.axes().alpha_y.0 / alpha_y];
