@@ -12,6 +12,8 @@
 //! costs ([`crate::fold::best_student`]).
 
 mod beckmann;
+#[cfg(test)]
+pub(crate) mod disk;
 mod frame;
 mod lobe;
 mod lobes;

@@ -1,10 +1,10 @@
 //! What a summary keeps, and how far it is from what it stands for.
 
-use glam::{DVec3, Vec3};
+use glam::Vec3;
 use proptest::prelude::*;
 
 use super::*;
-use crate::ndf::{Lobe, Ndf, SlopeLobe};
+use crate::ndf::{Lobe, SlopeLobe, disk};
 use crate::roughness::Alpha;
 
 fn entry(x: f32, y: f32, alpha: f32, weight: f32) -> Entry {
@@ -20,27 +20,10 @@ prop_compose! {
     }
 }
 
-/// Total variation of the NDFs of two sets, by half vectors all over the hemisphere.
+/// Total variation of the NDFs of two sets.
 fn distance(a: &[Entry], b: &[Entry]) -> f64 {
-    let density = |entries: &[Entry], m: DVec3| -> f64 {
-        let all: f64 = entries.iter().map(|e| f64::from(e.weight)).sum();
-        entries
-            .iter()
-            .map(|e| f64::from(e.weight) / all * e.lobe.lobe().d(m) * m.dot(e.lobe.lobe().normal.as_dvec3()))
-            .sum()
-    };
-    let n = 64;
-    let (mut apart, mut both) = (0.0, 0.0);
-    for i in 0..n * n {
-        // Equal areas of the disk: projected solid angle.
-        let (r2, angle) =
-            ((f64::from(i / n) + 0.5) / f64::from(n), (f64::from(i % n) + 0.5) / f64::from(n) * std::f64::consts::TAU);
-        let m = DVec3::new(r2.sqrt() * angle.cos(), r2.sqrt() * angle.sin(), (1.0 - r2).sqrt());
-        let (p, q) = (density(a, m) / m.z, density(b, m) / m.z);
-        apart += (p - q).abs();
-        both += p + q;
-    }
-    apart / both
+    let ndf = |entries: &[Entry]| disk::ndf(entries.iter().map(|e| (e.lobe.lobe(), e.weight)));
+    disk::apart(&ndf(a), &ndf(b))
 }
 
 proptest! {

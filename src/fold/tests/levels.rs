@@ -5,7 +5,7 @@ use crate::image::spans;
 use crate::summary::EXACT;
 
 /// The footprint of a texel of level `k`, summed one texel at a time.
-fn footprint_of(grid: &Grid, k: usize, x: usize, y: usize) -> (Vec<(Lobe, f32)>, f32) {
+pub(super) fn footprint_of(grid: &Grid, k: usize, x: usize, y: usize) -> (Vec<(Lobe, f32)>, f32) {
     let target = grid.size.level(k);
     let across = &spans(grid.size.width, target.width)[x];
     let down = &spans(grid.size.height, target.height)[y];

@@ -30,7 +30,8 @@ fn is_sound(html: &str) {
     assert!(values("src").iter().all(|src| src.starts_with("data:image/") && src.len() > 60));
     assert!(!html.contains("http:") && !html.contains("https:") && !html.contains("url("));
     // Pictures as text may spell anything.
-    let text: String = html.split(";base64,").map(|part| part.split_once('"').map_or(part, |(_, after)| after)).collect();
+    let text: String =
+        html.split(";base64,").map(|part| part.split_once('"').map_or(part, |(_, after)| after)).collect();
     assert!(!text.contains("NaN") && !text.contains(">inf"));
     let images = html.matches("<img ").count();
     assert_eq!(
