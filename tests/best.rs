@@ -1,7 +1,7 @@
 //! How close the folds come to the best that a single GGX lobe can do: of texels of real maps the lobe of least lobe error
 //! is searched by brute force, in f64, against the exact footprint.
 //!
-//! `cargo test --test best -- --ignored --nocapture`; what begins with `sample_` takes a minute.
+//! `cargo test --test best -- --ignored --nocapture`; what begins with `sample_` takes half a minute, all of it ten.
 #![allow(clippy::print_stdout)]
 
 mod common;
@@ -346,7 +346,7 @@ fn sample_of_maps() {
 }
 
 #[test]
-#[ignore = "a quarter of an hour"]
+#[ignore = "ten minutes"]
 fn all_maps() {
     const MAPS: [&str; 10] = [
         "bark014",

@@ -136,7 +136,7 @@ impl Band<'_> {
     }
 }
 
-/// Strength and bounds: `R = base + strength (fold - base)`, scaled up to the plain average if that is asked for, eigenvalues
+/// Strength and bounds: `R = base + strength (fold - base)`, widened to the plain average if that is asked for, eigenvalues
 /// clamped. A fold that does not start from the mean tensor adds nothing to it that could be scaled. `planes` are those of
 /// a lobe.
 fn limit(options: &Options, form: Form, row: &MomentRow, planes: &mut [&mut [f32]]) {
@@ -144,6 +144,8 @@ fn limit(options: &Options, form: Form, row: &MomentRow, planes: &mut [&mut [f32
     let n = planes[0].len();
     let k = options.strength;
     let scaled = k != 1.0 && options.fold.widens();
+    // Where smooth texels win, less than the mean is not exaggerated: it would be a mirror.
+    let share = |folded: f32, base: f32| if folded < base { k.min(1.0) } else { k };
     let [bxx, bxy, byy] = [0, 1, 2].map(|i| &row.plane(plane::TENSOR + i)[..n]);
     let base = |i: usize| RoughnessTensor { xx: bxx[i], xy: bxy[i], yy: byy[i] };
     let plain = options.at_least_average.then(|| &row.plane(plane::PERCEPTUAL)[..n]);
@@ -154,7 +156,7 @@ fn limit(options: &Options, form: Form, row: &MomentRow, planes: &mut [&mut [f32
             if scaled {
                 for i in 0..n {
                     let base = base(i).mean();
-                    a2[i] = base + (a2[i] - base) * k;
+                    a2[i] = base + (a2[i] - base) * share(a2[i], base);
                 }
             }
             a2.iter_mut().enumerate().for_each(|(i, a2)| *a2 = a2.max(plain(i)).max(low).min(high));
@@ -166,14 +168,16 @@ fn limit(options: &Options, form: Form, row: &MomentRow, planes: &mut [&mut [f32
                 for i in 0..n {
                     let base = base(i).to_bent(Vec3::new(nx[i], ny[i], nz[i]));
                     let folded = RoughnessTensor { xx: xx[i], xy: xy[i], yy: yy[i] };
-                    let mixed = base + (folded - base) * k;
+                    let mixed = base + (folded - base) * share(folded.mean(), base.mean());
                     (xx[i], xy[i], yy[i]) = (mixed.xx, mixed.xy, mixed.yy);
                 }
             }
             for i in 0..n {
-                let r = RoughnessTensor { xx: xx[i], xy: xy[i], yy: yy[i] };
-                let raise = plain(i) / r.mean().max(f32::MIN_POSITIVE);
-                let r = if raise > 1.0 { r * raise } else { r }.clamped(low, high);
+                let r = RoughnessTensor { xx: xx[i], xy: xy[i], yy: yy[i] }.clamped(0.0, 1.0);
+                // Towards the widest, whose mean is 1.
+                let lack = plain(i) - r.mean();
+                let raised = |t: f32| r * (1.0 - t) + RoughnessTensor { xx: t, xy: 0.0, yy: t };
+                let r = if lack > 0.0 { raised(lack / (1.0 - r.mean())) } else { r }.clamped(low, high);
                 (xx[i], xy[i], yy[i]) = (r.xx, r.xy, r.yy);
             }
         }

@@ -3,13 +3,13 @@
 //!
 //! Based on: D. Peel, G. J. McLachlan, "Robust Mixture Modelling Using the t Distribution", 2000; the scatter's step is that
 //! of Kent, Tyler and Vardi 1994. The footprint is a mixture itself: expectations over its lobes replace sums over samples.
-//! No lobe is narrower than the mean of the texels that it stands for: a few nodes in place of a lobe would let it be.
+//! No step makes a lobe narrower than the mean of the texels that it stands for: a few nodes in place of a lobe would.
 
 use std::f32::consts::FRAC_1_SQRT_2;
 
 use super::chunk::{Atom, Chunk, Fitted, Shape};
 use super::lanes::Lanes;
-use super::scatter::{self, Estimate, Metric, RING, Seen, closest, weight};
+use super::scatter::{self, Estimate, Metric, RING, Seen, closest};
 use super::seed;
 
 /// Places of the nodes of a lobe along its two axes.
@@ -65,9 +65,13 @@ fn fit_some<const LOBES: usize>(chunk: &Chunk, shape: Shape, out: &mut [Fitted])
         let axes: Vec<[Lanes; 4]> = atoms.iter().map(axes).collect();
         let mut moved = parts;
         (0..STEPS).for_each(|_| step(atoms, &axes, shape, &mut moved));
-        let own = seed::covered(atoms, &parts);
-        let least = own - LOSS * (weight(atoms) - own);
-        seed::choose(&mut parts, &moved, seed::covered(atoms, &moved), least);
+        if shape.shared_normal {
+            parts = moved;
+        } else {
+            let own = seed::covered(atoms, &parts);
+            let least = own - LOSS * (scatter::weight(atoms) - own);
+            seed::choose(&mut parts, &moved, seed::covered(atoms, &moved), least);
+        }
     }
     for (part, out) in parts.iter().zip(out.iter_mut()) {
         // Lobes lie anywhere: their normals are looked for from their own centres.

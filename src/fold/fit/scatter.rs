@@ -42,6 +42,9 @@ const STEPS: usize = 3;
 /// Ratio of squared widths from which texels are smooth and rough ones: that of alpha is 2.
 const UNLIKE: f32 = 4.0;
 
+/// Share of the weight below which an atom is as good as absent.
+const ABSENT: f32 = 1e-6;
+
 /// Share of a footprint that one lobe covers, below which it has parts that lie apart. On real maps 0.6 and 0.75 did as well.
 const APART: f32 = 0.7;
 
@@ -138,8 +141,12 @@ impl Seen {
 pub fn closest(atoms: &[Atom], form: Form, up: Lanes) -> Estimate {
     let mut first = start(atoms, |k| atoms[k].w, None);
     (0..STEPS).for_each(|_| step::<false>(atoms, form, up, &mut first));
-    let unlike = atoms.iter().fold(Lanes::default(), |all, atom| all + atom.unlike(&atoms[0], UNLIKE));
     let (zero, all, own) = (Lanes::default(), weight(atoms), covered(atoms, &first));
+    let mut unlike = zero;
+    for atom in atoms {
+        // What is as good as absent is like any other.
+        unlike += atom.w.above(ABSENT * all, atom.unlike(&atoms[0], UNLIKE), zero);
+    }
     let apart = (APART * all).above(own, all, zero);
     if unlike + apart != zero {
         let smooth = |k: usize| {
@@ -150,9 +157,13 @@ pub fn closest(atoms: &[Atom], form: Form, up: Lanes) -> Estimate {
         let majority = own.above(MAJORITY * all, own, MAJORITY * all);
         let none = Lanes::all(f32::INFINITY);
         let mut most = unlike.above(zero, own, apart.above(zero, majority, none));
-        let mut typical = start(atoms, smooth, None);
-        (0..2 * STEPS).for_each(|_| step::<true>(atoms, form, up, &mut typical));
-        typical.replace_if_better(atoms, MORE, &mut first, &mut most);
+        if unlike != zero {
+            let mut smoother = start(atoms, smooth, None);
+            (0..2 * STEPS).for_each(|_| step::<true>(atoms, form, up, &mut smoother));
+            let mut least = unlike.above(zero, most, none);
+            smoother.replace_if_better(atoms, MORE, &mut first, &mut least);
+            most = unlike.above(zero, least, most);
+        }
         let (mut typical, mut best) = (Estimate::default(), Lanes::default());
         for a in atoms {
             let [xx, xy, yy] = a.scatter();
@@ -185,9 +196,14 @@ impl Estimate {
     #[inline(always)]
     pub fn overlap(&self, area: Lanes, atom: &Atom) -> Lanes {
         let (dx, dy, [xx, xy, yy]) = (atom.x - self.x, atom.y - self.y, atom.scatter());
-        let (xx, xy, yy) = (xx + self.xx + dx * dx, xy + self.xy + dx * dy, yy + self.yy + dy * dy);
-        let both = (xx * yy - xy * xy).max(f32::MIN_POSITIVE);
-        (4.0 * area * atom.l11 * atom.l22 * both.inverse()).sqrt()
+        let (xx, xy, yy) = (xx + self.xx, xy + self.xy, yy + self.yy);
+        // With d d^T in them, the products of what is narrow and far would differ by their rounding alone.
+        let both = (xx * yy - xy * xy) + (yy * dx * dx - 2.0 * xy * dx * dy + xx * dy * dy);
+        // By Minkowski's inequality no less than this.
+        let own = atom.l11 * atom.l22;
+        let least = (area + own) * (area + own);
+        let both = both.above(least, both, least).max(f32::MIN_POSITIVE);
+        (4.0 * area * own * both.inverse()).sqrt()
     }
 
     /// This one where `value` is larger than `least`, else the other.
@@ -382,4 +398,34 @@ pub fn read_out(e: &Estimate, form: Form, near: &[Lanes; 3], weight: Lanes) -> F
         (out.tensor[0].0[i], out.tensor[1].0[i], out.tensor[2].0[i]) = (r.xx, r.xy, r.yy);
     }
     out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::summary::Entry;
+
+    fn atom(x: f32, y: f32, alpha2: f32) -> Atom {
+        let mut atom = Atom::default();
+        let lobe = SlopeLobe { centre: Vec2::new(x, y), scatter: RoughnessTensor { xx: alpha2, xy: 0.0, yy: alpha2 } };
+        (0..LANES).for_each(|i| atom.set_lane(i, &Entry { weight: 1.0, lobe }));
+        atom
+    }
+
+    #[test]
+    fn overlaps_of_mirrors_are_not_those_of_rounding() {
+        for (alpha2, x) in [(1e-12, 0.5), (1e-10, 1.7), (1e-8, 0.3), (1e-4, 0.2)] {
+            let (one, other) = (atom(-x, -x, alpha2), atom(x, x, alpha2));
+            let of = |atom: &Atom| {
+                let [xx, xy, yy] = atom.scatter();
+                Estimate { x: atom.x, y: atom.y, xx, xy, yy }
+            };
+            let e = of(&one);
+            let (own, far) = (e.overlap(e.area(), &one).0[0], e.overlap(e.area(), &other).0[0]);
+            assert!((own - 1.0).abs() < 1e-3, "{own}");
+            // det(P + d d^T / 2) = alpha^4 + alpha^2 d^2 / 2, for d^2 = 8 x^2.
+            let expected = (alpha2 / (alpha2 + 4.0 * x * x)).sqrt();
+            assert!((far / expected - 1.0).abs() < 1e-3, "{far} {expected}");
+        }
+    }
 }

@@ -27,7 +27,7 @@ pub(super) fn parts<const LOBES: usize>(
     up: Lanes,
     shared: Option<&Estimate>,
 ) -> [Part; LOBES] {
-    let mut parts = lobes(atoms, &cut::<LOBES>(atoms, shared), shared);
+    let mut parts = lobes(atoms, &cut::<LOBES>(atoms, shared), form, shared);
     if shared.is_none() {
         let own = covered(atoms, &parts);
         let none = Lanes::all(f32::INFINITY);
@@ -92,7 +92,7 @@ fn peel<const LOBES: usize>(atoms: &[Atom], form: Form, up: Lanes) -> [Part; LOB
             atom.w = taken.above(Lanes::default(), Lanes::default(), atom.w);
         }
     }
-    let mut parts = lobes(atoms, &members, None);
+    let mut parts = lobes(atoms, &members, form, None);
     let Part { lobe, share, .. } = &mut parts[LOBES - 1];
     *lobe = scatter::closest(&rest, form, up).where_above(*share, Lanes::default(), *lobe);
     parts
@@ -139,12 +139,19 @@ fn cut<const LOBES: usize>(atoms: &[Atom], shared: Option<&Estimate>) -> Members
 
 /// The lobe of each part.
 #[inline(always)]
-fn lobes<const LOBES: usize>(atoms: &[Atom], members: &Members<LOBES>, shared: Option<&Estimate>) -> [Part; LOBES] {
+fn lobes<const LOBES: usize>(
+    atoms: &[Atom],
+    members: &Members<LOBES>,
+    form: Form,
+    shared: Option<&Estimate>,
+) -> [Part; LOBES] {
     let mut parts = [Part::default(); LOBES];
     let mut all = Lanes::all(f32::MIN_POSITIVE);
     let mut all_area = all;
     for (part, members) in parts.iter_mut().zip(members) {
-        part.lobe = scatter::start(atoms, |k| atoms[k].w * members[k], shared);
+        let lobe = scatter::start(atoms, |k| atoms[k].w * members[k], shared);
+        let [.., up] = lobe.direction();
+        lobe.settle(form, up, Lanes::all(1.0), Lanes::default(), &mut part.lobe);
         atoms.iter().zip(members).for_each(|(atom, member)| {
             let weight = atom.w * *member;
             part.share += weight;
@@ -153,12 +160,13 @@ fn lobes<const LOBES: usize>(atoms: &[Atom], members: &Members<LOBES>, shared: O
         all += part.share;
         all_area += part.area;
     }
-    let whole = parts[0].lobe;
+    let none = Lanes::default();
+    let whole = parts.iter().rev().fold(parts[0].lobe, |whole, part| part.lobe.where_above(part.share, none, whole));
     for part in &mut parts {
         part.share *= all.inverse();
         part.area *= all_area.inverse();
         // Nothing was cut off: still a lobe.
-        part.lobe = part.lobe.where_above(part.share, Lanes::default(), whole);
+        part.lobe = part.lobe.where_above(part.share, none, whole);
     }
     parts
 }

@@ -112,6 +112,27 @@ fn smooth_texels_among_rough_ones_win_unless_the_average_is_asked_for() {
     }
 }
 
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(24))]
+
+    #[test]
+    fn at_least_average_holds_in_every_form(seed in 0u64..1000, strength in prop::sample::select(vec![0.0f32, 0.5, 1.0, 3.0])) {
+        let mut grid = Grid::random(Size::new(8, 8), seed);
+        grid.texels.iter_mut().for_each(|texel| texel.2 = 1.0);
+        let plain = grid.texels.iter().map(|t| t.1).sum::<f32>() / 64.0;
+        let least = PerceptualRoughness(plain).alpha().squared();
+        for (fold, form) in all() {
+            for lobes in if fold.has_mixtures() { vec![1, 2, 4] } else { vec![1] } {
+                let options = Options { fold, form, lobes, strength, at_least_average: true, ..Options::default() };
+                for (lobe, _) in chain(&grid, &options).levels[2].lobes.mixture(0, 0) {
+                    let mean = lobe.roughness.mean();
+                    prop_assert!(mean > least * (1.0 - 1e-4), "{} {form:?}: {mean} {least}", fold.name);
+                }
+            }
+        }
+    }
+}
+
 #[test]
 fn a_constant_tilted_anisotropic_texture_stays_itself_at_any_strength() {
     let axes = Axes { alpha_x: Alpha(0.65), alpha_y: Alpha(0.09), angle: 0.3 };
