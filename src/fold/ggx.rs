@@ -1,6 +1,6 @@
 //! Based on: J. T. Kent, D. E. Tyler, Y. Vardi, "A Curious Likelihood Identity for the Multivariate t-Distribution", 1994.
 
-use super::fit::{Chunk, Fitted, Lanes, Shape, mixture, scatter};
+use super::fit::{Chunk, Fitted, Lanes, Shape, estimate, mixture, scatter};
 use super::{Fold, Method};
 use crate::summary::EXACT;
 
@@ -33,7 +33,7 @@ impl pulp::WithSimd for Closest<'_> {
             [out] => {
                 let Self { chunk, shape, .. } = self;
                 let estimate = scatter::closest(&chunk.atoms, shape.form, chunk.normal[2]);
-                *out = scatter::read_out(&estimate, shape.form, &chunk.normal, Lanes::all(1.0));
+                *out = estimate::read_out(&estimate, shape.form, &chunk.normal, Lanes::all(1.0));
             }
             out => mixture::fit(self.chunk, self.shape, out),
         }

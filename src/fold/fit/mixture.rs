@@ -8,8 +8,9 @@
 use std::f32::consts::FRAC_1_SQRT_2;
 
 use super::chunk::{Atom, Chunk, Fitted, Shape};
+use super::estimate::{Estimate, read_out};
 use super::lanes::Lanes;
-use super::scatter::{self, Estimate, Metric, RING, Seen, closest};
+use super::scatter::{self, Metric, RING, Seen, closest};
 use super::seed;
 
 /// Places of the nodes of a lobe along its two axes.
@@ -75,7 +76,7 @@ fn fit_some<const LOBES: usize>(chunk: &Chunk, shape: Shape, out: &mut [Fitted])
     }
     for (part, out) in parts.iter().zip(out.iter_mut()) {
         // Lobes lie anywhere: their normals are looked for from their own centres.
-        *out = scatter::read_out(&part.lobe, shape.form, &part.lobe.direction(), part.area);
+        *out = read_out(&part.lobe, shape.form, &part.lobe.direction(), part.area);
     }
     if shape.shared_normal {
         share_normal(out);

@@ -5,6 +5,7 @@
 //! products and sums, so every clone gives the same bits.
 
 mod chunk;
+pub(super) mod estimate;
 mod lanes;
 pub(super) mod lobe_error;
 pub(super) mod mixture;

@@ -1,9 +1,10 @@
 //! The footprint cut in parts, each a lobe: where the lobes of a mixture start.
 
 use super::chunk::Atom;
+use super::estimate::Estimate;
 use super::lanes::Lanes;
 use super::mixture::Part;
-use super::scatter::{self, Estimate};
+use super::scatter;
 use crate::ndf::Form;
 
 /// Share of a footprint that its parts cover, below which they are looked for in another way.
