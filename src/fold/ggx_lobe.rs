@@ -160,10 +160,11 @@ mod tests {
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(48))]
 
-        /// The views do not turn, and a search ends where the figure is flat: to a part of the width only.
+        /// The views do not turn, and a search ends where the figure is flat: to a part of the width only. Of texels that
+        /// overlap: of parts that lie apart and count alike, either is as good.
         #[test]
         fn turning_copies_and_order_change_little(
-            texels in prop::collection::vec((-0.3f32..0.3, -0.3f32..0.3, 0.1f32..0.5), 2..40), angle in -3.0f32..3.0
+            texels in prop::collection::vec((-0.12f32..0.12, -0.12f32..0.12, 0.25f32..0.5), 2..40), angle in -3.0f32..3.0
         ) {
             let turn = Mat3::from_rotation_z(angle);
             let mut twice = texels.clone();
