@@ -1,6 +1,6 @@
 //! Based on: J. T. Kent, D. E. Tyler, Y. Vardi, "A Curious Likelihood Identity for the Multivariate t-Distribution", 1994.
 
-use super::fit::{Chunk, Fitted, Lanes, Shape, estimate, mixture, scatter};
+use super::fit::{Atom, Chunk, Fitted, LANES, Lanes, Shape, estimate, mixture, scatter};
 use super::{Fold, Method};
 use crate::summary::EXACT;
 
@@ -28,14 +28,23 @@ impl pulp::WithSimd for Closest<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn with_simd<S: pulp::Simd>(self, _: S) {
-        match self.out {
-            [out] => {
-                let Self { chunk, shape, .. } = self;
-                let estimate = scatter::closest(&chunk.atoms, shape.form, chunk.normal[2]);
-                *out = estimate::read_out(&estimate, shape.form, &chunk.normal, Lanes::all(1.0));
+    fn with_simd<S: pulp::Simd>(self, simd: S) {
+        let Self { chunk, shape, out } = self;
+        let mut atoms = Vec::with_capacity(chunk.lobes.len());
+        for first in (0..LANES).step_by(S::F32_LANES) {
+            atoms.clear();
+            for lobe in &chunk.lobes {
+                atoms.push(Atom::new(simd, lobe, first));
             }
-            out => mixture::fit(self.chunk, self.shape, out),
+            let [x, y, z] = &chunk.normal;
+            let normal = [Lanes::load(simd, x, first), Lanes::load(simd, y, first), Lanes::load(simd, z, first)];
+            match &mut *out {
+                [out] => {
+                    let estimate = scatter::closest(&atoms, shape.form, normal[2]);
+                    estimate::read_out(&estimate, shape.form, &normal, Lanes::all(simd, 1.0), first, out);
+                }
+                out => mixture::fit(&atoms, normal[2], shape, first, out),
+            }
         }
     }
 }

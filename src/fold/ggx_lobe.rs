@@ -4,9 +4,10 @@ use glam::Vec3;
 
 use super::fit::lobe_error::{Candidate, LobeError};
 use super::fit::simplex::{Stop, minimise};
-use super::fit::{Atom, Chunk, Fitted, LANES, Shape};
+use super::fit::{Chunk, Fitted, LANES, Shape};
 use super::{Fold, Method, ggx};
 use crate::ndf::{Form, Frame, RoughnessTensor};
+use crate::summary::Entry;
 
 /// The GGX lobe of least lobe error: that of `ggx`, moved until it looks most like the footprint.
 pub const FOLD: Fold = Fold {
@@ -45,37 +46,31 @@ fn fit(chunk: &Chunk, shape: Shape, out: &mut [Fitted]) {
     // One lobe: of mixtures, all of a footprint's lobes would be refined together here.
     for i in 0..LANES {
         // At borders a footprint is repeated to fill the lanes.
-        let from = if i > 0 && chunk.atoms.iter().all(|atom| same(atom, i)) { i - 1 } else { i };
+        let from = if i > 0 && chunk.footprint(i).eq(chunk.footprint(i - 1)) { i - 1 } else { i };
         let start = lane(&out[0], from);
-        put(&mut out[0], i, if from == i { refine(&chunk.atoms, i, shape.form, start) } else { start });
+        put(&mut out[0], i, if from == i { refine(chunk.footprint(i), shape.form, start) } else { start });
     }
-}
-
-/// Whether footprint `i` has the lobe of the one before.
-fn same(atom: &Atom, i: usize) -> bool {
-    [&atom.w, &atom.x, &atom.y, &atom.l11, &atom.l21, &atom.l22].iter().all(|lanes| lanes.0[i] == lanes.0[i - 1])
 }
 
 fn lane(fitted: &Fitted, i: usize) -> Candidate {
-    let [xx, xy, yy] = fitted.tensor.map(|v| v.0[i]);
-    (Vec3::from(fitted.normal.map(|v| v.0[i])), RoughnessTensor { xx, xy, yy })
+    let [xx, xy, yy] = fitted.tensor.map(|row| row[i]);
+    (Vec3::from(fitted.normal.map(|row| row[i])), RoughnessTensor { xx, xy, yy })
 }
 
 fn put(fitted: &mut Fitted, i: usize, (n, r): Candidate) {
-    fitted.normal.iter_mut().zip(n.to_array()).for_each(|(lanes, v)| lanes.0[i] = v);
-    fitted.tensor.iter_mut().zip([r.xx, r.xy, r.yy]).for_each(|(lanes, v)| lanes.0[i] = v);
+    fitted.normal.iter_mut().zip(n.to_array()).for_each(|(row, v)| row[i] = v);
+    fitted.tensor.iter_mut().zip([r.xx, r.xy, r.yy]).for_each(|(row, v)| row[i] = v);
 }
 
 /// The lobe that looks most like a footprint, searched from `start`; that one where none is noticeably better.
-fn refine(atoms: &[Atom], i: usize, form: Form, start: Candidate) -> Candidate {
-    let mut parts =
-        atoms.iter().filter(|a| a.w.0[i] > 0.0).map(|a| [a.x.0[i], a.y.0[i], a.l11.0[i], a.l21.0[i], a.l22.0[i]]);
-    let one = parts.next();
-    if parts.all(|other| Some(other) == one) {
+fn refine(footprint: impl Iterator<Item = Entry> + Clone, form: Form, start: Candidate) -> Candidate {
+    let mut lobes = footprint.clone().filter(|e| e.weight > 0.0).map(|e| e.lobe);
+    let one = lobes.next();
+    if lobes.all(|other| Some(other) == one) {
         return start;
     }
     let guess = (start.0, in_form(form, start.1));
-    let error = LobeError::new(atoms, i, guess);
+    let error = LobeError::new(footprint.clone(), guess);
     let first = error.of(guess);
     if first.is_nan() || first <= NOTHING {
         return start;
@@ -86,7 +81,7 @@ fn refine(atoms: &[Atom], i: usize, form: Form, start: Candidate) -> Candidate {
         let own = error.lobes().map(|(n, r)| (n, in_form(form, r)));
         if let Some(guess) = own.min_by(|a, b| error.of(*a).total_cmp(&error.of(*b))) {
             // By half vectors that fall there.
-            let near = LobeError::new(atoms, i, guess);
+            let near = LobeError::new(footprint.clone(), guess);
             let first = near.of(guess);
             let (other, value) = search(&near, first, form, guess).unwrap_or((guess, first));
             let so_far = found.map_or(start, |(lobe, _)| lobe);

@@ -10,7 +10,7 @@ mod merge;
 mod rows;
 
 pub use merge::{Entry, Scratch, merge, merge_to};
-pub(crate) use rows::{Buffers, Gather, Summaries};
+pub(crate) use rows::{Buffers, Gather, QUANTITIES, Summaries};
 
 /// Level-0 texels joined without loss: a summary may hold so many lobes, or more.
 pub const EXACT: usize = 16;

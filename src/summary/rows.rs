@@ -6,8 +6,8 @@ use crate::moments::TexelRows;
 use crate::ndf::{Lobe, RoughnessTensor, SlopeLobe};
 use crate::roughness::Alpha;
 
-/// Weight, centre x y, scatter xx xy yy.
-const QUANTITIES: usize = 6;
+/// Of a lobe of a summary: weight, centre x y, scatter xx xy yy.
+pub const QUANTITIES: usize = 6;
 
 /// Mirrors are as smooth as this, so that their density exists; far below what 16 bits of perceptual roughness can tell.
 const SMOOTHEST: Alpha = Alpha(1e-6);

@@ -1,52 +1,53 @@
 //! Footprints side by side, and what was fitted to them.
 
-use glam::Vec3;
+use glam::{Vec2, Vec3};
+use pulp::Simd;
 
-use super::lanes::{LANES, Lanes};
+use super::lanes::{LANES, Lanes, Row};
 use crate::ndf::{Form, Lobe, MOST_LOBES, RoughnessTensor, SlopeLobe};
-use crate::summary::{Entry, Summaries};
+use crate::summary::{Entry, QUANTITIES, Summaries};
+
+/// Footprints side by side.
+#[derive(Default)]
+pub struct Chunk {
+    /// Their lobes, as summaries have them: weight, centre x y, scatter xx xy yy. Footprints with fewer have some of weight 0.
+    pub lobes: Vec<[Row; QUANTITIES]>,
+    /// Their mean normals, unit.
+    pub normal: [Row; 3],
+}
 
 /// A lobe of each footprint, ready for fits: the scatter as its Cholesky factor, `P = L L^T`.
 ///
 /// Its weight is the area of texels times n_z: that of the area itself would make D at normal incidence, to which a facet
 /// contributes by `1 / n_z`; but views and lights of which one is not steep meet steep facets less than that, and fits with
 /// this weight lie closer in lobe error.
-#[derive(Clone, Copy, Default)]
-pub struct Atom {
+#[derive(Clone, Copy)]
+pub struct Atom<S: Simd> {
     /// Weight.
-    pub w: Lanes,
+    pub w: Lanes<S>,
     /// Area over weight: 1 / n_z.
-    pub tilt: Lanes,
+    pub tilt: Lanes<S>,
     /// Centre.
-    pub x: Lanes,
+    pub x: Lanes<S>,
     /// Centre.
-    pub y: Lanes,
+    pub y: Lanes<S>,
     /// Cholesky factor.
-    pub l11: Lanes,
+    pub l11: Lanes<S>,
     /// Cholesky factor.
-    pub l21: Lanes,
+    pub l21: Lanes<S>,
     /// Cholesky factor.
-    pub l22: Lanes,
-}
-
-/// Footprints side by side.
-#[derive(Default)]
-pub struct Chunk {
-    /// Their lobes; footprints with fewer have some of weight 0.
-    pub atoms: Vec<Atom>,
-    /// Their mean normals, unit.
-    pub normal: [Lanes; 3],
+    pub l22: Lanes<S>,
 }
 
 /// A lobe fitted to each footprint of a chunk.
 #[derive(Clone, Copy, Default)]
 pub struct Fitted {
     /// Unit normal, x y z.
-    pub normal: [Lanes; 3],
+    pub normal: [Row; 3],
     /// Tensor xx xy yy, in the transported frame of the normal.
-    pub tensor: [Lanes; 3],
+    pub tensor: [Row; 3],
     /// Share of the footprint.
-    pub weight: Lanes,
+    pub weight: Row,
 }
 
 /// Fits lobes to the footprints of a chunk; one entry of `out` for each lobe that is asked for.
@@ -61,64 +62,79 @@ pub struct Shape {
     pub shared_normal: bool,
 }
 
-impl Atom {
-    /// The Cholesky factor of a scatter.
+impl<S: Simd> Atom<S> {
+    /// A lobe of the footprints from `first` on.
     #[inline(always)]
-    fn set(&mut self, i: usize, w: f32, [x, y]: [f32; 2], [xx, xy, yy]: [f32; 3]) {
+    pub fn new(simd: S, lobe: &[Row; QUANTITIES], first: usize) -> Self {
+        let [w, x, y, xx, xy, yy] = lobe;
+        let [w, x, y] = [Lanes::load(simd, w, first), Lanes::load(simd, x, first), Lanes::load(simd, y, first)];
+        let [xx, xy, yy] = [Lanes::load(simd, xx, first), Lanes::load(simd, xy, first), Lanes::load(simd, yy, first)];
         let l11 = xx.max(f32::MIN_POSITIVE).sqrt();
-        let l21 = xy / l11;
+        let l21 = xy * l11.inverse();
         // At least a thousandth of the width across: rounding could leave nothing.
-        let l22 = (yy - l21 * l21).max(1e-6 * yy).sqrt();
-        let tilt = (1.0 + x * x + y * y).sqrt();
-        (self.w.0[i], self.tilt.0[i], self.x.0[i], self.y.0[i]) = (w / tilt, tilt, x, y);
-        (self.l11.0[i], self.l21.0[i], self.l22.0[i]) = (l11, l21, l22);
+        let (l22, least) = (yy - l21 * l21, 1e-6 * yy);
+        let l22 = l22.above(least, l22, least).sqrt();
+        let tilt = (x * x + y * y + 1.0).sqrt();
+        Self { w: w * tilt.inverse(), tilt, x, y, l11, l21, l22 }
     }
 
     /// 1 where alpha^2 is more than so many times that of another atom, or less; else 0.
     #[inline(always)]
-    pub fn unlike(&self, other: &Self, ratio: f32) -> Lanes {
+    pub fn unlike(&self, other: &Self, ratio: f32) -> Lanes<S> {
         // The root of a narrow lobe's determinant is alpha^2 over the cube of n_z.
-        let size = |atom: &Self, i: usize| atom.l11.0[i] * atom.l22.0[i] / atom.tilt.0[i].powi(3);
-        let mut unlike = Lanes::default();
-        for i in 0..LANES {
-            let (a, b) = (size(self, i), size(other, i));
-            unlike.0[i] = if a > ratio * b || b > ratio * a { 1.0 } else { 0.0 };
-        }
-        unlike
+        let a = self.l11 * self.l22 * (other.tilt * other.tilt * other.tilt);
+        let b = other.l11 * other.l22 * (self.tilt * self.tilt * self.tilt);
+        let (yes, no) = (a.like(1.0), a.like(0.0));
+        a.above(ratio * b, yes, b.above(ratio * a, yes, no))
     }
 
     /// The scatter xx xy yy.
     #[inline(always)]
-    pub fn scatter(&self) -> [Lanes; 3] {
+    pub fn scatter(&self) -> [Lanes<S>; 3] {
         let Self { l11, l21, l22, .. } = *self;
         [l11 * l11, l11 * l21, l21 * l21 + l22 * l22]
-    }
-
-    /// A lobe of footprint `i`.
-    pub(super) fn set_lane(&mut self, i: usize, Entry { weight, lobe: SlopeLobe { centre, scatter } }: &Entry) {
-        self.set(i, *weight, centre.to_array(), [scatter.xx, scatter.xy, scatter.yy]);
     }
 }
 
 impl Chunk {
+    /// The same footprint in every lane; `normal` is its mean normal.
+    pub fn of(entries: &[Entry], normal: Vec3) -> Self {
+        let lobe = |&Entry { weight, lobe: SlopeLobe { centre, scatter } }: &Entry| {
+            [weight, centre.x, centre.y, scatter.xx, scatter.xy, scatter.yy].map(|v| [v; LANES])
+        };
+        Self { lobes: entries.iter().map(lobe).collect(), normal: normal.to_array().map(|v| [v; LANES]) }
+    }
+
+    /// The lobes of footprint `i`.
+    pub fn footprint(&self, i: usize) -> impl Iterator<Item = Entry> + Clone {
+        self.lobes.iter().map(move |rows| {
+            let [weight, x, y, xx, xy, yy] = rows.map(|row| row[i]);
+            Entry { weight, lobe: SlopeLobe { centre: Vec2::new(x, y), scatter: RoughnessTensor { xx, xy, yy } } }
+        })
+    }
+
     /// Takes the summaries of row `y` from column `x` on; missing columns repeat the last.
-    #[inline(always)]
     fn gather(&mut self, from: &Summaries, y: usize, x: usize, normals: [&[f32]; 3]) {
-        let last = from.width() - 1;
-        self.atoms.resize(from.lobes(), Atom::default());
-        for (lobe, atom) in self.atoms.iter_mut().enumerate() {
-            let rows: [&[f32]; 6] = std::array::from_fn(|quantity| from.row(y, lobe, quantity));
-            for i in 0..LANES {
-                let [w, cx, cy, xx, xy, yy] = rows.map(|row| row[(x + i).min(last)]);
-                atom.set(i, w, [cx, cy], [xx, xy, yy]);
+        self.lobes.resize(from.lobes(), Default::default());
+        for (lobe, rows) in self.lobes.iter_mut().enumerate() {
+            for (quantity, row) in rows.iter_mut().enumerate() {
+                fill(row, &from.row(y, lobe, quantity)[x..]);
             }
         }
+        self.normal.iter_mut().zip(normals).for_each(|(row, from)| fill(row, &from[x..]));
         for i in 0..LANES {
-            let n = Vec3::from(normals.map(|row| row[(x + i).min(last)]));
             // A mean too short to have a direction points up.
-            let n = n.try_normalize().unwrap_or(Vec3::Z);
-            (self.normal[0].0[i], self.normal[1].0[i], self.normal[2].0[i]) = (n.x, n.y, n.z);
+            let n = Vec3::from(self.normal.map(|row| row[i])).try_normalize().unwrap_or(Vec3::Z);
+            self.normal.iter_mut().zip(n.to_array()).for_each(|(row, v)| row[i] = v);
         }
+    }
+}
+
+/// Takes the first numbers; missing ones repeat the last.
+fn fill(row: &mut Row, from: &[f32]) {
+    match from.first_chunk() {
+        Some(whole) => *row = *whole,
+        None => (0..LANES).for_each(|i| row[i] = from[i.min(from.len() - 1)]),
     }
 }
 
@@ -137,18 +153,15 @@ pub fn row(
     let stride = form.planes() + usize::from(count > 1);
     for x in (0..from.width()).step_by(LANES) {
         let mut fitted = [Fitted::default(); MOST_LOBES];
-        pulp::Arch::new().dispatch(
-            #[inline(always)]
-            || chunk.gather(from, y, x, normals),
-        );
+        chunk.gather(from, y, x, normals);
         fit(&chunk, shape, &mut fitted[..count]);
         for i in 0..LANES.min(from.width() - x) {
             for (j, fitted) in fitted[..count].iter().enumerate() {
                 let Lobe { normal: n, roughness: r } = fitted.lobe(i);
                 let planes = &mut planes[j * stride..][..stride];
                 let values = match form {
-                    Form::Isotropic => [n.x, n.y, n.z, r.mean(), fitted.weight.0[i], 0.0, 0.0],
-                    Form::Anisotropic => [n.x, n.y, n.z, r.xx, r.xy, r.yy, fitted.weight.0[i]],
+                    Form::Isotropic => [n.x, n.y, n.z, r.mean(), fitted.weight[i], 0.0, 0.0],
+                    Form::Anisotropic => [n.x, n.y, n.z, r.xx, r.xy, r.yy, fitted.weight[i]],
                 };
                 planes.iter_mut().zip(values).for_each(|(plane, v)| plane[x + i] = v);
             }
@@ -158,21 +171,16 @@ pub fn row(
 
 /// Fits a single footprint: lobes with weights.
 pub fn one(fit: Fit, shape: Shape, count: usize, entries: &[Entry], normal: Vec3) -> Vec<(Lobe, f32)> {
-    let mut chunk = Chunk { normal: normal.to_array().map(Lanes::all), ..Chunk::default() };
-    chunk.atoms.resize(entries.len(), Atom::default());
-    for (atom, entry) in chunk.atoms.iter_mut().zip(entries) {
-        (0..LANES).for_each(|i| atom.set_lane(i, entry));
-    }
     let mut fitted = [Fitted::default(); MOST_LOBES];
-    fit(&chunk, shape, &mut fitted[..count]);
-    fitted[..count].iter().map(|fitted| (fitted.lobe(0), fitted.weight.0[0])).collect()
+    fit(&Chunk::of(entries, normal), shape, &mut fitted[..count]);
+    fitted[..count].iter().map(|fitted| (fitted.lobe(0), fitted.weight[0])).collect()
 }
 
 impl Fitted {
     /// The lobe of a footprint.
     pub fn lobe(&self, i: usize) -> Lobe {
-        let normal = Vec3::from(self.normal.map(|v| v.0[i]));
-        let [xx, xy, yy] = self.tensor.map(|v| v.0[i]);
+        let normal = Vec3::from(self.normal.map(|row| row[i]));
+        let [xx, xy, yy] = self.tensor.map(|row| row[i]);
         Lobe { normal, roughness: RoughnessTensor { xx, xy, yy }.to_bent(normal) }
     }
 }

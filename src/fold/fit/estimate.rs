@@ -1,37 +1,38 @@
 //! An estimate of a footprint's lobe: where it lies in the slope plane, what it overlaps, and how it is read out.
 
 use glam::{Vec2, Vec3};
+use pulp::Simd;
 
 use super::chunk::{Atom, Fitted};
-use super::lanes::{LANES, Lanes};
+use super::lanes::Lanes;
 use crate::ndf::{Form, RoughnessTensor, SlopeLobe};
 
 /// A lobe of each footprint by its slopes.
-#[derive(Clone, Copy, Default)]
-pub struct Estimate {
+#[derive(Clone, Copy)]
+pub struct Estimate<S: Simd> {
     /// Centre.
-    pub x: Lanes,
+    pub x: Lanes<S>,
     /// Centre.
-    pub y: Lanes,
+    pub y: Lanes<S>,
     /// Scatter.
-    pub xx: Lanes,
+    pub xx: Lanes<S>,
     /// Scatter.
-    pub xy: Lanes,
+    pub xy: Lanes<S>,
     /// Scatter.
-    pub yy: Lanes,
+    pub yy: Lanes<S>,
 }
 
-impl Estimate {
+impl<S: Simd> Estimate<S> {
     /// Root of the scatter's determinant.
     #[inline(always)]
-    pub fn area(&self) -> Lanes {
+    pub fn area(&self) -> Lanes<S> {
         (self.xx * self.yy - self.xy * self.xy).max(0.0).sqrt()
     }
 
     /// The overlap with an atom, 0 to 1, given the own area: `sqrt(sqrt(det P det Q) / det((P + Q + d d^T) / 2))`. Among
     /// lobes of one centre and shape that is near the overlap of the densities, `2 / (1 + sqrt r)` for areas of the ratio r.
     #[inline(always)]
-    pub fn overlap(&self, area: Lanes, atom: &Atom) -> Lanes {
+    pub fn overlap(&self, area: Lanes<S>, atom: &Atom<S>) -> Lanes<S> {
         let (dx, dy, [xx, xy, yy]) = (atom.x - self.x, atom.y - self.y, atom.scatter());
         let (xx, xy, yy) = (xx + self.xx, xy + self.xy, yy + self.yy);
         // With d d^T in them, the products of what is narrow and far would differ by their rounding alone.
@@ -45,21 +46,20 @@ impl Estimate {
 
     /// This one where `value` is larger than `least`, else the other.
     #[inline(always)]
-    pub fn where_above(self, value: Lanes, least: Lanes, other: Self) -> Self {
-        let pick = |own: Lanes, other: Lanes| value.above(least, own, other);
+    pub fn where_above(self, value: Lanes<S>, least: Lanes<S>, other: Self) -> Self {
         Self {
-            x: pick(self.x, other.x),
-            y: pick(self.y, other.y),
-            xx: pick(self.xx, other.xx),
-            xy: pick(self.xy, other.xy),
-            yy: pick(self.yy, other.yy),
+            x: value.above(least, self.x, other.x),
+            y: value.above(least, self.y, other.y),
+            xx: value.above(least, self.xx, other.xx),
+            xy: value.above(least, self.xy, other.xy),
+            yy: value.above(least, self.yy, other.yy),
         }
     }
 
     /// Becomes the estimate, of one width if that is asked for, where there is more weight than `least`. `up` is the z of a
     /// normal near the lobe's.
     #[inline(always)]
-    pub fn settle(mut self, form: Form, up: Lanes, weight: Lanes, least: Lanes, out: &mut Self) {
+    pub fn settle(mut self, form: Form, up: Lanes<S>, weight: Lanes<S>, least: Lanes<S>, out: &mut Self) {
         if form == Form::Isotropic {
             self.round(up * up);
         }
@@ -72,9 +72,9 @@ impl Estimate {
     /// Such a lobe has the scatter alpha^2 / S_zz^2 along the tilt and alpha^2 / S_zz across it, `S_zz = alpha^2 +
     /// (1 - alpha^2) n_z^2`.
     #[inline(always)]
-    fn round(&mut self, up2: Lanes) {
+    fn round(&mut self, up2: Lanes<S>) {
         let Self { x, y, xx, xy, yy } = *self;
-        let (zero, length2) = (Lanes::default(), x * x + y * y);
+        let (zero, length2) = (x.like(0.0), x * x + y * y);
         let inverse = length2.max(f32::MIN_POSITIVE).inverse();
         let along = (xx * x * x + 2.0 * xy * x * y + yy * y * y) * inverse;
         let along = length2.above(zero, along, 0.5 * (xx + yy));
@@ -95,8 +95,8 @@ impl Estimate {
 
     /// The direction of the lobe's normal, by a few power steps from the centre's own.
     #[inline(always)]
-    pub fn direction(&self) -> [Lanes; 3] {
-        let mut near = [-self.x, -self.y, Lanes::all(1.0)];
+    pub fn direction(&self) -> [Lanes<S>; 3] {
+        let mut near = [-self.x, -self.y, self.x.like(1.0)];
         for _ in 0..4 {
             let [x, y, z] = near;
             let up = z - self.x * x - self.y * y;
@@ -108,49 +108,65 @@ impl Estimate {
     }
 }
 
-/// Reads an estimate out as lobes, given unit normals near theirs.
+/// Reads an estimate out as the lobes of the footprints from `first` on, given unit normals near theirs.
 ///
 /// The wider a lobe, the less its slopes say of its normal, and the more its shading depends on that: by alpha^3 it is taken
 /// from the given one. Where steep and rough texels meet that lies closer in lobe error.
 #[inline(always)]
-pub fn read_out(e: &Estimate, form: Form, near: &[Lanes; 3], weight: Lanes) -> Fitted {
-    let mut out = Fitted { weight, ..Fitted::default() };
-    for i in 0..LANES {
-        let scatter = RoughnessTensor { xx: e.xx.0[i], xy: e.xy.0[i], yy: e.yy.0[i] };
-        let near = Vec3::from(near.map(|v| v.0[i]));
-        let (n, r) = SlopeLobe { centre: Vec2::new(e.x.0[i], e.y.0[i]), scatter }.near(near);
+pub fn read_out<S: Simd>(
+    e: &Estimate<S>,
+    form: Form,
+    near: &[Lanes<S>; 3],
+    weight: Lanes<S>,
+    first: usize,
+    out: &mut Fitted,
+) {
+    weight.store(&mut out.weight, first);
+    let (x, y, xx, xy, yy) = (e.x.row(), e.y.row(), e.xx.row(), e.xy.row(), e.yy.row());
+    let (near_x, near_y, near_z) = (near[0].row(), near[1].row(), near[2].row());
+    for i in 0..S::F32_LANES {
+        let scatter = RoughnessTensor { xx: xx[i], xy: xy[i], yy: yy[i] };
+        let near = Vec3::new(near_x[i], near_y[i], near_z[i]);
+        let (n, r) = SlopeLobe { centre: Vec2::new(x[i], y[i]), scatter }.near(near);
         let alpha2 = r.mean().clamp(0.0, 1.0);
         let n = (n + alpha2 * alpha2.sqrt() * (near - n)).normalize();
         // That of a lobe of one width is round but for rounding.
         let r = if form == Form::Isotropic { RoughnessTensor { xx: r.mean(), xy: 0.0, yy: r.mean() } } else { r };
-        (out.normal[0].0[i], out.normal[1].0[i], out.normal[2].0[i]) = (n.x, n.y, n.z);
-        (out.tensor[0].0[i], out.tensor[1].0[i], out.tensor[2].0[i]) = (r.xx, r.xy, r.yy);
+        (out.normal[0][first + i], out.normal[1][first + i], out.normal[2][first + i]) = (n.x, n.y, n.z);
+        (out.tensor[0][first + i], out.tensor[1][first + i], out.tensor[2][first + i]) = (r.xx, r.xy, r.yy);
     }
-    out
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::chunk::Chunk;
     use super::*;
     use crate::summary::Entry;
 
-    fn atom(x: f32, y: f32, alpha2: f32) -> Atom {
-        let mut atom = Atom::default();
-        let lobe = SlopeLobe { centre: Vec2::new(x, y), scatter: RoughnessTensor { xx: alpha2, xy: 0.0, yy: alpha2 } };
-        (0..LANES).for_each(|i| atom.set_lane(i, &Entry { weight: 1.0, lobe }));
-        atom
+    /// How much a mirror overlaps itself, and one on the other side.
+    struct Overlaps {
+        alpha2: f32,
+        x: f32,
+    }
+
+    impl pulp::WithSimd for Overlaps {
+        type Output = [f32; 2];
+
+        fn with_simd<S: Simd>(self, simd: S) -> [f32; 2] {
+            let scatter = RoughnessTensor { xx: self.alpha2, xy: 0.0, yy: self.alpha2 };
+            let entry = |x: f32| Entry { weight: 1.0, lobe: SlopeLobe { centre: Vec2::splat(x), scatter } };
+            let chunk = Chunk::of(&[entry(self.x), entry(-self.x)], Vec3::Z);
+            let atoms: Vec<Atom<S>> = chunk.lobes.iter().map(|lobe| Atom::new(simd, lobe, 0)).collect();
+            let [xx, xy, yy] = atoms[0].scatter();
+            let e = Estimate { x: atoms[0].x, y: atoms[0].y, xx, xy, yy };
+            [0, 1].map(|k| e.overlap(e.area(), &atoms[k]).row()[0])
+        }
     }
 
     #[test]
     fn overlaps_of_mirrors_are_not_those_of_rounding() {
         for (alpha2, x) in [(1e-12, 0.5), (1e-10, 1.7), (1e-8, 0.3), (1e-4, 0.2)] {
-            let (one, other) = (atom(-x, -x, alpha2), atom(x, x, alpha2));
-            let of = |atom: &Atom| {
-                let [xx, xy, yy] = atom.scatter();
-                Estimate { x: atom.x, y: atom.y, xx, xy, yy }
-            };
-            let e = of(&one);
-            let (own, far) = (e.overlap(e.area(), &one).0[0], e.overlap(e.area(), &other).0[0]);
+            let [own, far] = pulp::Arch::new().dispatch(Overlaps { alpha2, x });
             assert!((own - 1.0).abs() < 1e-3, "{own}");
             // det(P + d d^T / 2) = alpha^4 + alpha^2 d^2 / 2, for d^2 = 8 x^2.
             let expected = (alpha2 / (alpha2 + 4.0 * x * x)).sqrt();

@@ -10,12 +10,12 @@ use std::cmp::Ordering;
 use std::f32::consts::PI;
 use std::sync::LazyLock;
 
-use glam::{Vec2, Vec3};
+use glam::Vec3;
 
-use super::chunk::Atom;
 use crate::compare::VIEWS;
-use crate::ndf::{Frame, RoughnessTensor, SlopeLobe};
+use crate::ndf::{Frame, RoughnessTensor};
 use crate::random::{Random, Spread};
+use crate::summary::Entry;
 
 /// Half vectors for each view, a multiple of what fills vector registers.
 const HALVES: usize = 192;
@@ -107,21 +107,17 @@ pub struct LobeError {
 }
 
 impl LobeError {
-    /// Of lane `lane` of a chunk's footprints; `guess` is a lobe near the ones that will be asked for.
-    pub fn new(atoms: &[Atom], lane: usize, guess: Candidate) -> Self {
+    /// Of a footprint; `guess` is a lobe near the ones that will be asked for.
+    pub fn new(footprint: impl Iterator<Item = Entry>, guess: Candidate) -> Self {
         // In an order of their own, so that neither theirs nor copies change what is drawn.
-        let mut atoms: Vec<&Atom> = atoms.iter().filter(|a| a.w.0[lane] > 0.0).collect();
-        let places = |a: &Atom| [a.x.0[lane], a.y.0[lane], a.l11.0[lane]];
-        atoms
+        let mut entries: Vec<Entry> = footprint.filter(|e| e.weight > 0.0).collect();
+        let places = |Entry { lobe, .. }: &Entry| [lobe.centre.x, lobe.centre.y, lobe.scatter.xx];
+        entries
             .sort_by(|a, b| places(a).iter().zip(places(b)).fold(Ordering::Equal, |o, (a, b)| o.then(a.total_cmp(&b))));
-        let mut lobes: Vec<(f32, Candidate)> = Vec::with_capacity(atoms.len());
+        let mut lobes: Vec<(f32, Candidate)> = Vec::with_capacity(entries.len());
         let mut total = 0.0;
-        for a in atoms {
-            let [xx, xy, yy] = a.scatter().map(|lanes| lanes.0[lane]);
-            let (centre, scatter) = (Vec2::new(a.x.0[lane], a.y.0[lane]), RoughnessTensor { xx, xy, yy });
-            // The area of texels, without the factor that fits take.
-            let weight = a.w.0[lane] * a.tilt.0[lane];
-            lobes.push((weight, SlopeLobe { centre, scatter }.transported()));
+        for Entry { weight, lobe } in entries {
+            lobes.push((weight, lobe.transported()));
             total += weight;
         }
         let mut upto = 0.0;
@@ -279,9 +275,8 @@ impl Seen {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::ndf::Lobe;
+    use crate::ndf::{Lobe, SlopeLobe};
     use crate::reference::{Diffuse, Footprint, Queries};
-    use crate::summary::Entry;
 
     /// A lobe, by slopes and widths.
     fn lobe(x: f32, y: f32, [xx, xy, yy]: [f32; 3]) -> Candidate {
@@ -322,12 +317,9 @@ mod tests {
             lobe(-0.2, 0.2, [0.04, 0.0, 0.04]),
             lobe(0.1, 0.6, [0.01, 0.0, 0.01]),
         ];
-        let mut atoms = vec![Atom::default(); 3];
-        for (atom, lobe) in atoms.iter_mut().zip(footprint) {
-            atom.set_lane(2, &Entry { weight: 1.0, lobe: SlopeLobe::new(&bent(lobe)) });
-        }
+        let entries = footprint.map(|lobe| Entry { weight: 1.0, lobe: SlopeLobe::new(&bent(lobe)) });
         let guess = lobe(0.05, 0.2, [0.08, 0.0, 0.12]);
-        let error = LobeError::new(&atoms, 2, guess);
+        let error = LobeError::new(entries.into_iter(), guess);
         for other in [guess, lobe(0.1, 0.1, [0.05, 0.02, 0.2]), lobe(0.3, -0.1, [0.02, 0.005, 0.01])] {
             let (found, expected) = (error.of(other), exact(&footprint.map(bent), bent(other)));
             assert!((f64::from(found) / expected - 1.0).abs() < 0.05, "{found} {expected}");
@@ -339,9 +331,8 @@ mod tests {
         // Down to widths at which a light is mirrored to a point.
         for alpha in [0.9f32, 0.1, 0.01, 0.001] {
             let own = lobe(0.4, -0.3, [alpha * alpha, 0.0, 0.25 * alpha * alpha]);
-            let mut atoms = vec![Atom::default()];
-            atoms[0].set_lane(0, &Entry { weight: 3.0, lobe: SlopeLobe::new(&bent(own)) });
-            let error = LobeError::new(&atoms, 0, own).of(own);
+            let entry = Entry { weight: 3.0, lobe: SlopeLobe::new(&bent(own)) };
+            let error = LobeError::new(std::iter::once(entry), own).of(own);
             assert!(error < 2e-3, "{alpha}: {error}");
         }
     }

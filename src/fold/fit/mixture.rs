@@ -7,9 +7,12 @@
 
 use std::f32::consts::FRAC_1_SQRT_2;
 
-use super::chunk::{Atom, Chunk, Fitted, Shape};
+use glam::Vec3;
+use pulp::Simd;
+
+use super::chunk::{Atom, Fitted, Shape};
 use super::estimate::{Estimate, read_out};
-use super::lanes::Lanes;
+use super::lanes::{Lanes, scaled};
 use super::scatter::{self, Metric, RING, Seen, closest};
 use super::seed;
 
@@ -29,43 +32,53 @@ const LOSS: f32 = 0.1;
 const LEAST_SHARE: f32 = 1e-6;
 
 /// A lobe of the mixture.
-#[derive(Clone, Copy, Default)]
-pub(super) struct Part {
+#[derive(Clone, Copy)]
+pub(super) struct Part<S: Simd> {
     /// Centre and scatter.
-    pub lobe: Estimate,
+    pub lobe: Estimate<S>,
     /// Share of the atoms' weight.
-    pub share: Lanes,
+    pub share: Lanes<S>,
     /// Share of the area.
-    pub area: Lanes,
+    pub area: Lanes<S>,
 }
 
-/// Fits as many lobes as `out` has, from 2 on.
+/// Fits as many lobes as `out` has, from 2 on, to the footprints from `first` on; `up` is the z of their mean normals.
 #[inline(always)]
-pub fn fit(chunk: &Chunk, shape: Shape, out: &mut [Fitted]) {
+pub fn fit<S: Simd>(atoms: &[Atom<S>], up: Lanes<S>, shape: Shape, first: usize, out: &mut [Fitted]) {
     match out.len() {
-        2 => fit_some::<2>(chunk, shape, out),
-        3 => fit_some::<3>(chunk, shape, out),
-        _ => fit_some::<4>(chunk, shape, out),
+        2 => fit_some::<S, 2>(atoms, up, shape, first, out),
+        3 => fit_some::<S, 3>(atoms, up, shape, first, out),
+        _ => fit_some::<S, 4>(atoms, up, shape, first, out),
     }
 }
 
 #[inline(always)]
-fn fit_some<const LOBES: usize>(chunk: &Chunk, shape: Shape, out: &mut [Fitted]) {
-    let atoms = &chunk.atoms;
-    let (form, up) = (shape.form, chunk.normal[2]);
-    let shared = shape.shared_normal.then(|| closest(atoms, form, up));
-    let mut parts: [Part; LOBES] = seed::parts(atoms, form, up, shared.as_ref());
+fn fit_some<S: Simd, const LOBES: usize>(
+    atoms: &[Atom<S>],
+    up: Lanes<S>,
+    shape: Shape,
+    first: usize,
+    out: &mut [Fitted],
+) {
+    let form = shape.form;
+    let shared = if shape.shared_normal { Some(closest(atoms, form, up)) } else { None };
+    let mut parts: [Part<S>; LOBES] = seed::parts(atoms, form, up, shared.as_ref());
     // Steps lead to the least divergence, away from the least lobe error: two lobes gain by a few, more lobes by none.
     if LOBES == 2 {
-        let mut whole = shared.unwrap_or_else(|| closest(atoms, form, up));
-        let metric = Metric::new(&mut whole);
-        let axes = |atom: &Atom| {
-            let Seen { a: [ax, ay], b: [bx, by], .. } = Seen::new(atom, &whole, &metric);
-            [ax, ay, bx, by]
+        let mut whole = match shared {
+            Some(shared) => shared,
+            None => closest(atoms, form, up),
         };
-        let axes: Vec<[Lanes; 4]> = atoms.iter().map(axes).collect();
+        let metric = Metric::new(&mut whole);
+        let mut axes = Vec::with_capacity(atoms.len());
+        for atom in atoms {
+            let Seen { a: [ax, ay], b: [bx, by], .. } = Seen::new(atom, &whole, &metric);
+            axes.push([ax, ay, bx, by]);
+        }
         let mut moved = parts;
-        (0..STEPS).for_each(|_| step(atoms, &axes, shape, &mut moved));
+        for _ in 0..STEPS {
+            step(atoms, &axes, shape, &mut moved);
+        }
         if shape.shared_normal {
             parts = moved;
         } else {
@@ -76,31 +89,33 @@ fn fit_some<const LOBES: usize>(chunk: &Chunk, shape: Shape, out: &mut [Fitted])
     }
     for (part, out) in parts.iter().zip(out.iter_mut()) {
         // Lobes lie anywhere: their normals are looked for from their own centres.
-        *out = read_out(&part.lobe, shape.form, &part.lobe.direction(), part.area);
+        read_out(&part.lobe, form, &part.lobe.direction(), part.area, first, out);
     }
     if shape.shared_normal {
-        share_normal(out);
+        share_normal::<S>(first, out);
     }
 }
 
 /// One step.
 #[inline(always)]
-fn step<const LOBES: usize>(atoms: &[Atom], axes: &[[Lanes; 4]], shape: Shape, parts: &mut [Part; LOBES]) {
-    let mut metrics = [Metric::default(); LOBES];
+fn step<S: Simd, const LOBES: usize>(atoms: &[Atom<S>], axes: &[[Lanes<S>; 4]], shape: Shape, parts: &mut [Part<S>; LOBES]) {
+    let zero = parts[0].share.like(0.0);
+    let none = Metric { xx: zero, xy: zero, yy: zero, root: zero };
+    let mut metrics = [none; LOBES];
     for (metric, part) in metrics.iter_mut().zip(parts.iter_mut()) {
         *metric = Metric::new(&mut part.lobe);
         metric.root *= part.share;
     }
-    let mut sums = [Sums::default(); LOBES];
+    let mut sums = [Sums { share: zero, area: zero, w: zero, d: [zero; 2], dd: [zero; 3], own: [zero; 3] }; LOBES];
     for (atom, [ax, ay, bx, by]) in atoms.iter().zip(axes) {
-        let mut shares = [Lanes::default(); LOBES];
+        let mut shares = [zero; LOBES];
         let weight = 0.125 * atom.w;
         let own = atom.scatter();
         for [p, q] in NODES {
             let (x, y) = (atom.x + p * *ax + q * *bx, atom.y + p * *ay + q * *by);
             let (mut d, mut w, mut density) =
-                ([[Lanes::default(); 2]; LOBES], [Lanes::default(); LOBES], [Lanes::default(); LOBES]);
-            let mut all = Lanes::all(f32::MIN_POSITIVE);
+                ([[zero; 2]; LOBES], [zero; LOBES], [zero; LOBES]);
+            let mut all = zero.like(f32::MIN_POSITIVE);
             for j in 0..LOBES {
                 let (m, e) = (&metrics[j], &parts[j].lobe);
                 let (dx, dy) = (x - e.x, y - e.y);
@@ -126,10 +141,12 @@ fn step<const LOBES: usize>(atoms: &[Atom], axes: &[[Lanes; 4]], shape: Shape, p
         for (sums, share) in sums.iter_mut().zip(shares) {
             sums.share += share;
             sums.area += share * atom.tilt;
-            (0..3).for_each(|q| sums.own[q] += share * own[q]);
+            for q in 0..3 {
+                sums.own[q] += share * own[q];
+            }
         }
     }
-    let (mut share, mut area) = (Lanes::all(f32::MIN_POSITIVE), Lanes::all(f32::MIN_POSITIVE));
+    let (mut share, mut area) = (zero.like(f32::MIN_POSITIVE), zero.like(f32::MIN_POSITIVE));
     for sums in &sums {
         share += sums.share;
         area += sums.area;
@@ -138,35 +155,38 @@ fn step<const LOBES: usize>(atoms: &[Atom], axes: &[[Lanes; 4]], shape: Shape, p
     for (part, sums) in parts.iter_mut().zip(&sums) {
         (part.share, part.area) = (sums.share * share, sums.area * area);
     }
-    let common = shape.shared_normal.then(|| common_shift(parts, &sums));
+    let common = if shape.shared_normal { Some(common_shift(parts, &sums)) } else { None };
     for (part, sums) in parts.iter_mut().zip(&sums) {
         let next = sums.estimate(&part.lobe, common);
         let [.., up] = next.direction();
-        next.settle(shape.form, up, part.share, Lanes::all(LEAST_SHARE), &mut part.lobe);
+        next.settle(shape.form, up, part.share, zero.like(LEAST_SHARE), &mut part.lobe);
     }
 }
 
 /// Of a lobe: its share of weight and of area; sums of w, w d, w d d^T; and of the scatter of the texels in it.
-#[derive(Clone, Copy, Default)]
-struct Sums {
-    share: Lanes,
-    area: Lanes,
-    w: Lanes,
-    d: [Lanes; 2],
-    dd: [Lanes; 3],
-    own: [Lanes; 3],
+#[derive(Clone, Copy)]
+struct Sums<S: Simd> {
+    share: Lanes<S>,
+    area: Lanes<S>,
+    w: Lanes<S>,
+    d: [Lanes<S>; 2],
+    dd: [Lanes<S>; 3],
+    own: [Lanes<S>; 3],
 }
 
-impl Sums {
+impl<S: Simd> Sums<S> {
     /// The lobe with these sums about another, moved by the mean shift, or by a common one.
     #[inline(always)]
-    fn estimate(&self, about: &Estimate, common: Option<[Lanes; 2]>) -> Estimate {
+    fn estimate(&self, about: &Estimate<S>, common: Option<[Lanes<S>; 2]>) -> Estimate<S> {
         let inverse = self.w.max(f32::MIN_POSITIVE).inverse();
-        let [x, y] = self.d.map(|d| d * inverse);
-        let [sx, sy] = common.unwrap_or([x, y]);
+        let [x, y] = scaled(self.d, inverse);
+        let [sx, sy] = match common {
+            Some(shift) => shift,
+            None => [x, y],
+        };
         let share = self.share.max(f32::MIN_POSITIVE).inverse();
-        let own = self.own.map(|own| own * share);
-        let [xx, xy, yy] = self.dd.map(|dd| dd * inverse);
+        let own = scaled(self.own, share);
+        let [xx, xy, yy] = scaled(self.dd, inverse);
         let xx = 2.0 * (xx - 2.0 * x * sx + sx * sx) - own[0];
         let xy = 2.0 * (xy - x * sy - y * sx + sx * sy) - own[1];
         let yy = 2.0 * (yy - 2.0 * y * sy + sy * sy) - own[2];
@@ -187,24 +207,25 @@ impl Sums {
 
 /// The shift that lobes of a common centre agree on: their own, each with the weight of its certainty.
 #[inline(always)]
-fn common_shift(parts: &[Part], sums: &[Sums]) -> [Lanes; 2] {
-    let (mut all, mut shift) = (Lanes::all(f32::MIN_POSITIVE), [Lanes::default(); 2]);
+fn common_shift<S: Simd>(parts: &[Part<S>], sums: &[Sums<S>]) -> [Lanes<S>; 2] {
+    let zero = parts[0].share.like(0.0);
+    let (mut all, mut shift) = (zero.like(f32::MIN_POSITIVE), [zero; 2]);
     for (part, sums) in parts.iter().zip(sums) {
         let certainty = (part.lobe.xx + part.lobe.yy).inverse();
         all += certainty * sums.w;
-        (0..2).for_each(|q| shift[q] += certainty * sums.d[q]);
+        for q in 0..2 {
+            shift[q] += certainty * sums.d[q];
+        }
     }
-    shift.map(|shift| shift * all.inverse())
+    scaled(shift, all.inverse())
 }
 
 /// Gives all lobes their mean normal. Those of a common centre differ, by little, where they lie far from upright.
 #[inline(always)]
-fn share_normal(out: &mut [Fitted]) {
-    let mut mean = [Lanes::default(); 3];
-    for fitted in out.iter() {
-        (0..3).for_each(|q| mean[q] += fitted.weight * fitted.normal[q]);
+fn share_normal<S: Simd>(first: usize, out: &mut [Fitted]) {
+    for i in first..first + S::F32_LANES {
+        let mean: Vec3 = out.iter().map(|fitted| fitted.weight[i] * Vec3::from(fitted.normal.map(|row| row[i]))).sum();
+        let mean = mean.normalize().to_array();
+        out.iter_mut().for_each(|fitted| fitted.normal.iter_mut().zip(mean).for_each(|(row, v)| row[i] = v));
     }
-    let [x, y, z] = mean;
-    let scale = (x * x + y * y + z * z).max(f32::MIN_POSITIVE).sqrt().inverse();
-    out.iter_mut().for_each(|fitted| fitted.normal = mean.map(|v| v * scale));
 }

@@ -1,8 +1,8 @@
 //! Folds that search: the closest lobe, or few lobes, for the lobes of a footprint.
 //!
-//! Footprints are fitted side by side, one in each lane of a [`Chunk`]: every step is arithmetic without branches, so that
-//! the compiler fills vector registers with it; `pulp` picks a clone for AVX2 where there is one. Rust never contracts
-//! products and sums, so every clone gives the same bits.
+//! Footprints are fitted side by side, one in each lane of a [`Chunk`]: every step is arithmetic without branches, on
+//! [`Lanes`] that fill the registers of the processor (AVX2, NEON; one by one elsewhere), which `pulp` picks. Products and sums
+//! are never contracted, so all give the same bits.
 
 mod chunk;
 pub(super) mod estimate;

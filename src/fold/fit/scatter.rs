@@ -12,6 +12,7 @@
 
 use std::f32::consts::FRAC_1_SQRT_2;
 
+use pulp::Simd;
 use super::chunk::Atom;
 use super::estimate::Estimate;
 use super::lanes::Lanes;
@@ -58,22 +59,22 @@ const MORE: f32 = 1.02;
 const SMOOTH: f32 = 0.02;
 
 /// The inverse of a scatter.
-#[derive(Clone, Copy, Default)]
-pub struct Metric {
+#[derive(Clone, Copy)]
+pub struct Metric<S: Simd> {
     /// Inverse.
-    pub xx: Lanes,
+    pub xx: Lanes<S>,
     /// Inverse.
-    pub xy: Lanes,
+    pub xy: Lanes<S>,
     /// Inverse.
-    pub yy: Lanes,
+    pub yy: Lanes<S>,
     /// Root of its determinant.
-    pub root: Lanes,
+    pub root: Lanes<S>,
 }
 
-impl Metric {
+impl<S: Simd> Metric<S> {
     /// Of the scatter of an estimate, which is given the least width across if rounding has left none.
     #[inline(always)]
-    pub fn new(e: &mut Estimate) -> Self {
+    pub fn new(e: &mut Estimate<S>) -> Self {
         (e.xx, e.yy) = (e.xx.max(LEAST), e.yy.max(LEAST));
         let product = e.xx * e.yy;
         let most = (1.0 - THINNEST) * product * (e.xy * e.xy).max(f32::MIN_POSITIVE).inverse();
@@ -85,31 +86,30 @@ impl Metric {
 
 /// An atom seen from an estimate: its distance, and its axes `v = L q` for orthogonal q, of which the first points where w
 /// changes most, so that turning the footprint turns the nodes.
-pub struct Seen {
+pub struct Seen<S: Simd> {
     /// Centre minus centre.
-    pub d: [Lanes; 2],
+    pub d: [Lanes<S>; 2],
     /// `1 + d^T P^-1 d`.
-    pub far: Lanes,
+    pub far: Lanes<S>,
     /// How fast that grows along the first axis, halved.
-    pub slope: Lanes,
+    pub slope: Lanes<S>,
     /// First axis.
-    pub a: [Lanes; 2],
+    pub a: [Lanes<S>; 2],
     /// Second axis.
-    pub b: [Lanes; 2],
+    pub b: [Lanes<S>; 2],
 }
 
-impl Seen {
+impl<S: Simd> Seen<S> {
     #[inline(always)]
-    pub fn new(atom: &Atom, e: &Estimate, m: &Metric) -> Self {
+    pub fn new(atom: &Atom<S>, e: &Estimate<S>, m: &Metric<S>) -> Self {
         let (dx, dy) = (atom.x - e.x, atom.y - e.y);
         let (mx, my) = (m.xx * dx + m.xy * dy, m.xy * dx + m.yy * dy);
         // Products stay in the range of f32 even for a smooth lobe seen from the horizon.
-        let bounded = |b: Lanes| b.max(-1e18).min(1e18);
-        let (b1, b2) = (bounded(atom.l11 * mx + atom.l21 * my), bounded(atom.l22 * my));
+        let b1 = (atom.l11 * mx + atom.l21 * my).max(-1e18).min(1e18);
+        let b2 = (atom.l22 * my).max(-1e18).min(1e18);
         let slope = (b1 * b1 + b2 * b2).sqrt();
         let inverse = slope.max(f32::MIN_POSITIVE).inverse();
-        let zero = Lanes::default();
-        let cos = slope.above(zero, b1 * inverse, Lanes::all(1.0));
+        let cos = slope.above(slope.like(0.0), b1 * inverse, slope.like(1.0));
         let sin = b2 * inverse;
         let a = [atom.l11 * cos, atom.l21 * cos + atom.l22 * sin];
         let b = [-(atom.l11 * sin), atom.l22 * cos - atom.l21 * sin];
@@ -122,47 +122,62 @@ impl Seen {
 /// Parts that lie apart, or smooth and rough texels together, leave some to choose from, about all, about the smooth ones and
 /// about the texel that is most typical: of these it is the one that covers most.
 #[inline(always)]
-pub fn closest(atoms: &[Atom], form: Form, up: Lanes) -> Estimate {
-    let mut first = start(atoms, |k| atoms[k].w, None);
-    (0..STEPS).for_each(|_| step::<false>(atoms, form, up, &mut first));
-    let (zero, all, own) = (Lanes::default(), weight(atoms), covered(atoms, &first));
+pub fn closest<S: Simd>(atoms: &[Atom<S>], form: Form, up: Lanes<S>) -> Estimate<S> {
+    let mut first = start(
+        atoms,
+        #[inline(always)]
+        |k| atoms[k].w,
+        None,
+    );
+    for _ in 0..STEPS {
+        step::<S, false>(atoms, form, up, &mut first);
+    }
+    let (zero, all, own) = (up.like(0.0), weight(atoms), covered(atoms, &first));
     let mut unlike = zero;
     for atom in atoms {
         // What is as good as absent is like any other.
         unlike += atom.w.above(ABSENT * all, atom.unlike(&atoms[0], UNLIKE), zero);
     }
     let apart = (APART * all).above(own, all, zero);
-    if unlike + apart != zero {
-        let smooth = |k: usize| {
-            let [xx, _, yy] = atoms[k].scatter();
-            atoms[k].w * (xx + yy).max(LEAST).inverse()
-        };
+    if (unlike + apart).any_above(zero) {
         // Others in the chunk keep their first.
         let majority = own.above(MAJORITY * all, own, MAJORITY * all);
-        let none = Lanes::all(f32::INFINITY);
+        let none = up.like(f32::INFINITY);
         let mut most = unlike.above(zero, own, apart.above(zero, majority, none));
-        if unlike != zero {
-            let mut smoother = start(atoms, smooth, None);
-            (0..2 * STEPS).for_each(|_| step::<true>(atoms, form, up, &mut smoother));
+        if unlike.any_above(zero) {
+            let mut smoother = start(
+                atoms,
+                #[inline(always)]
+                |k| {
+                    let [xx, _, yy] = atoms[k].scatter();
+                    atoms[k].w * (xx + yy).max(LEAST).inverse()
+                },
+                None,
+            );
+            for _ in 0..2 * STEPS {
+                step::<S, true>(atoms, form, up, &mut smoother);
+            }
             let mut least = unlike.above(zero, most, none);
             smoother.replace_if_better(atoms, MORE, &mut first, &mut least);
             most = unlike.above(zero, least, most);
         }
-        let (mut typical, mut best) = (Estimate::default(), Lanes::default());
+        let (mut typical, mut best) = (Estimate { x: zero, y: zero, xx: zero, xy: zero, yy: zero }, zero);
         for a in atoms {
             let [xx, xy, yy] = a.scatter();
             Estimate { x: a.x, y: a.y, xx, xy, yy }.replace_if_better(atoms, 1.0, &mut typical, &mut best);
         }
-        (0..2 * STEPS).for_each(|_| step::<true>(atoms, form, up, &mut typical));
+        for _ in 0..2 * STEPS {
+            step::<S, true>(atoms, form, up, &mut typical);
+        }
         typical.replace_if_better(atoms, MORE, &mut first, &mut most);
     }
     first
 }
 
-impl Estimate {
+impl<S: Simd> Estimate<S> {
     /// Takes the place of another where it covers so many times more.
     #[inline(always)]
-    fn replace_if_better(self, atoms: &[Atom], more: f32, other: &mut Self, most: &mut Lanes) {
+    fn replace_if_better(self, atoms: &[Atom<S>], more: f32, other: &mut Self, most: &mut Lanes<S>) {
         let own = covered(atoms, &self);
         let least = more * *most;
         *other = self.where_above(own, least, *other);
@@ -172,15 +187,21 @@ impl Estimate {
 
 /// Weight of all atoms.
 #[inline(always)]
-pub fn weight(atoms: &[Atom]) -> Lanes {
-    atoms.iter().fold(Lanes::default(), |all, atom| all + atom.w)
+pub fn weight<S: Simd>(atoms: &[Atom<S>]) -> Lanes<S> {
+    let mut all = atoms[0].w;
+    for atom in &atoms[1..] {
+        all += atom.w;
+    }
+    all
 }
 
 /// How much of the atoms a lobe covers.
 #[inline(always)]
-fn covered(atoms: &[Atom], e: &Estimate) -> Lanes {
-    let area = e.area();
-    let sum = atoms.iter().fold(Lanes::default(), |sum, atom| sum + atom.w * e.overlap(area, atom));
+fn covered<S: Simd>(atoms: &[Atom<S>], e: &Estimate<S>) -> Lanes<S> {
+    let (mut sum, area) = (e.x.like(0.0), e.area());
+    for atom in atoms {
+        sum += atom.w * e.overlap(area, atom);
+    }
     sum * (-SMOOTH * area * (area + 1.0).inverse() + 1.0)
 }
 
@@ -188,9 +209,10 @@ fn covered(atoms: &[Atom], e: &Estimate) -> Lanes {
 /// by the inverse of its root: those of absolute values, which GGX has, where it has no second moments. A single lobe is its
 /// own start. `weight` is that of an atom.
 #[inline(always)]
-pub fn start(atoms: &[Atom], weight: impl Fn(usize) -> Lanes, about: Option<&Estimate>) -> Estimate {
-    let mut all = Lanes::default();
-    let mut e = Estimate::default();
+pub fn start<S: Simd>(atoms: &[Atom<S>], weight: impl Fn(usize) -> Lanes<S>, about: Option<&Estimate<S>>) -> Estimate<S> {
+    let zero = atoms[0].w.like(0.0);
+    let mut all = zero;
+    let mut e = Estimate { x: zero, y: zero, xx: zero, xy: zero, yy: zero };
     for (k, a) in atoms.iter().enumerate() {
         let w = weight(k);
         all += w;
@@ -198,8 +220,11 @@ pub fn start(atoms: &[Atom], weight: impl Fn(usize) -> Lanes, about: Option<&Est
         e.y += w * a.y;
     }
     let inverse = all.max(f32::MIN_POSITIVE).inverse();
-    (e.x, e.y) = about.map_or((e.x * inverse, e.y * inverse), |about| (about.x, about.y));
-    let mut length = Lanes::default();
+    (e.x, e.y) = match about {
+        Some(about) => (about.x, about.y),
+        None => (e.x * inverse, e.y * inverse),
+    };
+    let mut length = zero;
     for (k, a) in atoms.iter().enumerate() {
         let (dx, dy, w) = (a.x - e.x, a.y - e.y, weight(k) * inverse);
         let [xx, xy, yy] = a.scatter();
@@ -215,32 +240,34 @@ pub fn start(atoms: &[Atom], weight: impl Fn(usize) -> Lanes, about: Option<&Est
     e
 }
 
+/// w at opposite nodes d +- v, their sum and their difference: w is the inverse of `a +- 2 b` there.
+#[inline(always)]
+fn pair<S: Simd>(a: Lanes<S>, b: Lanes<S>) -> (Lanes<S>, Lanes<S>) {
+    // Rounding must not make the farther one negative.
+    let (low, least) = (a - 2.0 * b, 1e-6 * a);
+    let low = low.above(least, low, least);
+    let inverse = (low * (a + 2.0 * b)).inverse();
+    (2.0 * a * inverse, -4.0 * b * inverse)
+}
+
 /// One step. `up` is the z of the mean normal.
 #[inline(always)]
-fn step<const ROBUST: bool>(atoms: &[Atom], form: Form, up: Lanes, e: &mut Estimate) {
+fn step<S: Simd, const ROBUST: bool>(atoms: &[Atom<S>], form: Form, up: Lanes<S>, e: &mut Estimate<S>) {
     let m = Metric::new(e);
     // Sums of w, w d, w d d^T; the parts of tr(P^-1 w d d^T) that lie between atoms and in all.
-    let mut sums = [Lanes::default(); 8];
+    let zero = up.like(0.0);
+    let mut sums = [zero; 8];
     for atom in atoms {
         let Seen { d: [dx, dy], far, slope, a: [ax, ay], b: [bx, by] } = Seen::new(atom, e, &m);
         let (ux, uy) = (m.xx * ax + m.xy * ay, m.xy * ax + m.yy * ay);
         let (q11, q12) = (ax * ux + ay * uy, bx * ux + by * uy);
         let q22 = bx * (m.xx * bx + m.xy * by) + by * (m.xy * bx + m.yy * by);
-        // w at opposite nodes d +- v: their sum and their difference.
-        let pair = |q: Lanes, b: Lanes| {
-            let a = far + q;
-            // Rounding must not make the farther one negative.
-            let (low, least) = (a - 2.0 * b, 1e-6 * a);
-            let low = low.above(least, low, least);
-            let inverse = (low * (a + 2.0 * b)).inverse();
-            (2.0 * a * inverse, -4.0 * b * inverse)
-        };
         let (r1, half) = (RING[0], 0.5 * RING2[1]);
         let r2 = FRAC_1_SQRT_2 * RING[1];
-        let (w1, v1) = pair(RING2[0] * q11, r1 * slope);
+        let (w1, v1) = pair(far + RING2[0] * q11, r1 * slope);
         let w2 = 2.0 * (far + RING2[0] * q22).inverse();
-        let (w3, v3) = pair(half * (q11 + q22 + 2.0 * q12), r2 * slope);
-        let (w4, v4) = pair(half * (q11 + q22 - 2.0 * q12), r2 * slope);
+        let (w3, v3) = pair(far + half * (q11 + q22 + 2.0 * q12), r2 * slope);
+        let (w4, v4) = pair(far + half * (q11 + q22 - 2.0 * q12), r2 * slope);
         let all = (w1 + w2) + (w3 + w4);
         let outer = half * (w3 + w4);
         let (c11, c12, c22) = (RING2[0] * w1 + outer, half * (w3 - w4), RING2[0] * w2 + outer);
@@ -273,5 +300,5 @@ fn step<const ROBUST: bool>(atoms: &[Atom], form: Form, up: Lanes, e: &mut Estim
     next.xx = scale * (xx * inverse - x * x);
     next.xy = scale * (xy * inverse - x * y);
     next.yy = scale * (yy * inverse - y * y);
-    next.settle(form, up, weight, Lanes::default(), e);
+    next.settle(form, up, weight, zero, e);
 }

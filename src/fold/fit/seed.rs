@@ -1,8 +1,10 @@
 //! The footprint cut in parts, each a lobe: where the lobes of a mixture start.
 
+use pulp::Simd;
+
 use super::chunk::Atom;
 use super::estimate::Estimate;
-use super::lanes::Lanes;
+use super::lanes::{Lanes, scaled};
 use super::mixture::Part;
 use super::scatter;
 use crate::ndf::Form;
@@ -22,19 +24,19 @@ const NOTHING: f32 = 3e-5;
 /// The parts of the footprint, each a lobe as a single one starts; of those of a common centre, that of `shared`, how far they
 /// reach from it.
 #[inline(always)]
-pub(super) fn parts<const LOBES: usize>(
-    atoms: &[Atom],
+pub(super) fn parts<S: Simd, const LOBES: usize>(
+    atoms: &[Atom<S>],
     form: Form,
-    up: Lanes,
-    shared: Option<&Estimate>,
-) -> [Part; LOBES] {
-    let mut parts = lobes(atoms, &cut::<LOBES>(atoms, shared), form, shared);
+    up: Lanes<S>,
+    shared: Option<&Estimate<S>>,
+) -> [Part<S>; LOBES] {
+    let mut parts = lobes(atoms, &cut::<S, LOBES>(atoms, shared), form, shared);
     if shared.is_none() {
         let own = covered(atoms, &parts);
-        let none = Lanes::all(f32::INFINITY);
+        let none = up.like(f32::INFINITY);
         let apart = (APART * scatter::weight(atoms)).above(own, own, none);
-        if apart != none {
-            let peeled = peel::<LOBES>(atoms, form, up);
+        if none.any_above(apart) {
+            let peeled = peel::<S, LOBES>(atoms, form, up);
             choose(&mut parts, &peeled, covered(atoms, &peeled), BETTER * apart);
         }
     }
@@ -43,11 +45,11 @@ pub(super) fn parts<const LOBES: usize>(
 
 /// Takes other parts where `value` is larger than `least`.
 #[inline(always)]
-pub(super) fn choose<const LOBES: usize>(
-    parts: &mut [Part; LOBES],
-    others: &[Part; LOBES],
-    value: Lanes,
-    least: Lanes,
+pub(super) fn choose<S: Simd, const LOBES: usize>(
+    parts: &mut [Part<S>; LOBES],
+    others: &[Part<S>; LOBES],
+    value: Lanes<S>,
+    least: Lanes<S>,
 ) {
     for (part, other) in parts.iter_mut().zip(others) {
         part.lobe = other.lobe.where_above(value, least, part.lobe);
@@ -58,11 +60,15 @@ pub(super) fn choose<const LOBES: usize>(
 
 /// How much of the atoms the parts cover, each atom by the one that covers it best.
 #[inline(always)]
-pub(super) fn covered<const LOBES: usize>(atoms: &[Atom], parts: &[Part; LOBES]) -> Lanes {
-    let areas = parts.map(|part| part.lobe.area());
-    let mut sum = Lanes::default();
+pub(super) fn covered<S: Simd, const LOBES: usize>(atoms: &[Atom<S>], parts: &[Part<S>; LOBES]) -> Lanes<S> {
+    let zero = atoms[0].w.like(0.0);
+    let mut areas = [zero; LOBES];
+    for (area, part) in areas.iter_mut().zip(parts) {
+        *area = part.lobe.area();
+    }
+    let mut sum = zero;
     for atom in atoms {
-        let mut best = Lanes::default();
+        let mut best = zero;
         for (part, area) in parts.iter().zip(areas) {
             let own = part.lobe.overlap(area, atom);
             best = own.above(best, own, best);
@@ -73,29 +79,30 @@ pub(super) fn covered<const LOBES: usize>(atoms: &[Atom], parts: &[Part; LOBES])
 }
 
 /// Whether an atom belongs to a part: 0 or 1.
-type Members<const LOBES: usize> = [Vec<Lanes>; LOBES];
+type Members<S, const LOBES: usize> = [Vec<Lanes<S>>; LOBES];
 
 /// Takes from what is left, again and again, what its closest lobe covers; the last part is all that is then left, and its
 /// closest lobe.
 #[inline(always)]
-fn peel<const LOBES: usize>(atoms: &[Atom], form: Form, up: Lanes) -> [Part; LOBES] {
-    let mut members: Members<LOBES> = std::array::from_fn(|_| vec![Lanes::default(); atoms.len()]);
+fn peel<S: Simd, const LOBES: usize>(atoms: &[Atom<S>], form: Form, up: Lanes<S>) -> [Part<S>; LOBES] {
+    let (zero, one) = (up.like(0.0), up.like(1.0));
+    let mut members: Members<S, LOBES> = std::array::from_fn(|_| vec![zero; atoms.len()]);
     let mut rest = atoms.to_vec();
-    members[LOBES - 1].fill(Lanes::all(1.0));
+    members[LOBES - 1].fill(one);
     for part in 0..LOBES - 1 {
         let lobe = scatter::closest(&rest, form, up);
         let area = lobe.area();
         for (k, atom) in rest.iter_mut().enumerate() {
             let left = members[LOBES - 1][k];
-            let taken = lobe.overlap(area, atom).above(Lanes::all(COVERED), left, Lanes::default());
+            let taken = lobe.overlap(area, atom).above(up.like(COVERED), left, zero);
             members[part][k] = taken;
             members[LOBES - 1][k] = left - taken;
-            atom.w = taken.above(Lanes::default(), Lanes::default(), atom.w);
+            atom.w = taken.above(zero, zero, atom.w);
         }
     }
     let mut parts = lobes(atoms, &members, form, None);
     let Part { lobe, share, .. } = &mut parts[LOBES - 1];
-    *lobe = scatter::closest(&rest, form, up).where_above(*share, Lanes::default(), *lobe);
+    *lobe = scatter::closest(&rest, form, up).where_above(*share, zero, *lobe);
     parts
 }
 
@@ -103,31 +110,41 @@ fn peel<const LOBES: usize>(atoms: &[Atom], form: Form, up: Lanes) -> [Part; LOB
 /// centre and width, until there are enough. Parts that share a centre, that of `shared`, are cut by how far they reach from
 /// it.
 #[inline(always)]
-fn cut<const LOBES: usize>(atoms: &[Atom], shared: Option<&Estimate>) -> Members<LOBES> {
-    let places: Vec<[Lanes; 3]> =
-        atoms.iter().map(|atom| shared.map_or_else(|| place(atom), |e| reach(atom, e))).collect();
-    let one = Lanes::all(1.0);
-    let mut members: Members<LOBES> = std::array::from_fn(|_| vec![Lanes::default(); atoms.len()]);
+fn cut<S: Simd, const LOBES: usize>(atoms: &[Atom<S>], shared: Option<&Estimate<S>>) -> Members<S, LOBES> {
+    let mut places = Vec::with_capacity(atoms.len());
+    for atom in atoms {
+        places.push(match shared {
+            Some(e) => reach(atom, e),
+            None => place(atom),
+        });
+    }
+    let (zero, one) = (atoms[0].w.like(0.0), atoms[0].w.like(1.0));
+    let mut members: Members<S, LOBES> = std::array::from_fn(|_| vec![zero; atoms.len()]);
     members[0].fill(one);
     for next in 1..LOBES {
-        let (mut widest, mut which) = (Cell::default(), [Lanes::default(); LOBES]);
-        widest.cost = Lanes::all(-1.0);
+        let mut widest = Cell { cost: zero.like(-1.0), mean: [zero; 3], axis: [zero; 3] };
+        let mut which = [zero; LOBES];
         for part in 0..next {
             let cell = Cell::of(atoms, &places, &members[part]);
-            let other = cell.cost.above(widest.cost, Lanes::default(), one);
-            which.iter_mut().for_each(|which| *which *= other);
+            let other = cell.cost.above(widest.cost, zero, one);
+            for which in &mut which {
+                *which *= other;
+            }
             which[part] = one - other;
-            (0..3).for_each(|q| {
-                widest.mean[q] = other.above(Lanes::default(), widest.mean[q], cell.mean[q]);
-                widest.axis[q] = other.above(Lanes::default(), widest.axis[q], cell.axis[q]);
-            });
-            widest.cost = other.above(Lanes::default(), widest.cost, cell.cost);
+            for q in 0..3 {
+                widest.mean[q] = other.above(zero, widest.mean[q], cell.mean[q]);
+                widest.axis[q] = other.above(zero, widest.axis[q], cell.axis[q]);
+            }
+            widest.cost = other.above(zero, widest.cost, cell.cost);
         }
         let [x, y, z] = widest.axis;
         let nothing = NOTHING * (x * x + y * y + z * z).sqrt();
         for (k, place) in places.iter().enumerate() {
-            let [x, y, z] = [0, 1, 2].map(|q| widest.axis[q] * (place[q] - widest.mean[q]));
-            let beyond = (x + y + z).above(nothing, one, Lanes::default());
+            let mut along = zero;
+            for q in 0..3 {
+                along += widest.axis[q] * (place[q] - widest.mean[q]);
+            }
+            let beyond = along.above(nothing, one, zero);
             for part in 0..next {
                 let moved = members[part][k] * which[part] * beyond;
                 members[part][k] = members[part][k] - moved;
@@ -140,49 +157,58 @@ fn cut<const LOBES: usize>(atoms: &[Atom], shared: Option<&Estimate>) -> Members
 
 /// The lobe of each part.
 #[inline(always)]
-fn lobes<const LOBES: usize>(
-    atoms: &[Atom],
-    members: &Members<LOBES>,
+fn lobes<S: Simd, const LOBES: usize>(
+    atoms: &[Atom<S>],
+    members: &Members<S, LOBES>,
     form: Form,
-    shared: Option<&Estimate>,
-) -> [Part; LOBES] {
-    let mut parts = [Part::default(); LOBES];
-    let mut all = Lanes::all(f32::MIN_POSITIVE);
+    shared: Option<&Estimate<S>>,
+) -> [Part<S>; LOBES] {
+    let (zero, one) = (atoms[0].w.like(0.0), atoms[0].w.like(1.0));
+    let nowhere = Estimate { x: zero, y: zero, xx: zero, xy: zero, yy: zero };
+    let mut parts = [Part { lobe: nowhere, share: zero, area: zero }; LOBES];
+    let mut all = zero.like(f32::MIN_POSITIVE);
     let mut all_area = all;
     for (part, members) in parts.iter_mut().zip(members) {
-        let lobe = scatter::start(atoms, |k| atoms[k].w * members[k], shared);
+        let lobe = scatter::start(
+            atoms,
+            #[inline(always)]
+            |k| atoms[k].w * members[k],
+            shared,
+        );
         let [.., up] = lobe.direction();
-        lobe.settle(form, up, Lanes::all(1.0), Lanes::default(), &mut part.lobe);
-        atoms.iter().zip(members).for_each(|(atom, member)| {
+        lobe.settle(form, up, one, zero, &mut part.lobe);
+        for (atom, member) in atoms.iter().zip(members) {
             let weight = atom.w * *member;
             part.share += weight;
             part.area += weight * atom.tilt;
-        });
+        }
         all += part.share;
         all_area += part.area;
     }
-    let none = Lanes::default();
-    let whole = parts.iter().rev().fold(parts[0].lobe, |whole, part| part.lobe.where_above(part.share, none, whole));
+    let mut whole = parts[0].lobe;
+    for part in parts.iter().rev() {
+        whole = part.lobe.where_above(part.share, zero, whole);
+    }
     for part in &mut parts {
         part.share *= all.inverse();
         part.area *= all_area.inverse();
         // Nothing was cut off: still a lobe.
-        part.lobe = part.lobe.where_above(part.share, none, whole);
+        part.lobe = part.lobe.where_above(part.share, zero, whole);
     }
     parts
 }
 
 /// What a cut of a part needs.
-#[derive(Clone, Copy, Default)]
-struct Cell {
-    cost: Lanes,
-    mean: [Lanes; 3],
-    axis: [Lanes; 3],
+#[derive(Clone, Copy)]
+struct Cell<S: Simd> {
+    cost: Lanes<S>,
+    mean: [Lanes<S>; 3],
+    axis: [Lanes<S>; 3],
 }
 
 /// Where an atom lies among others: the centre's normal projected on the disk, and the width seen there.
 #[inline(always)]
-fn place(atom: &Atom) -> [Lanes; 3] {
+fn place<S: Simd>(atom: &Atom<S>) -> [Lanes<S>; 3] {
     let z = atom.tilt.inverse();
     let [xx, _, yy] = atom.scatter();
     [atom.x * z, atom.y * z, (0.5 * (xx + yy)).sqrt() * z]
@@ -190,25 +216,28 @@ fn place(atom: &Atom) -> [Lanes; 3] {
 
 /// How far an atom reaches from a centre.
 #[inline(always)]
-fn reach(atom: &Atom, from: &Estimate) -> [Lanes; 3] {
+fn reach<S: Simd>(atom: &Atom<S>, from: &Estimate<S>) -> [Lanes<S>; 3] {
     let (x, y, [xx, _, yy]) = (atom.x - from.x, atom.y - from.y, atom.scatter());
-    [(0.5 * (xx + yy + x * x + y * y)).sqrt(), Lanes::default(), Lanes::default()]
+    [(0.5 * (xx + yy + x * x + y * y)).sqrt(), x.like(0.0), x.like(0.0)]
 }
 
-impl Cell {
+impl<S: Simd> Cell<S> {
     #[inline(always)]
-    fn of(atoms: &[Atom], places: &[[Lanes; 3]], members: &[Lanes]) -> Self {
-        let (mut weight, mut mean) = (Lanes::all(f32::MIN_POSITIVE), [Lanes::default(); 3]);
+    fn of(atoms: &[Atom<S>], places: &[[Lanes<S>; 3]], members: &[Lanes<S>]) -> Self {
+        let zero = atoms[0].w.like(0.0);
+        let (mut weight, mut mean) = (zero.like(f32::MIN_POSITIVE), [zero; 3]);
         for ((atom, place), member) in atoms.iter().zip(places).zip(members) {
             let w = atom.w * *member;
             weight += w;
-            (0..3).for_each(|q| mean[q] += w * place[q]);
+            for q in 0..3 {
+                mean[q] += w * place[q];
+            }
         }
-        let mean = mean.map(|v| v * weight.inverse());
-        let [mut xx, mut xy, mut yy, mut zz] = [Lanes::default(); 4];
+        let mean = scaled(mean, weight.inverse());
+        let [mut xx, mut xy, mut yy, mut zz] = [zero; 4];
         for ((atom, place), member) in atoms.iter().zip(places).zip(members) {
             let w = atom.w * *member;
-            let [x, y, z] = [0, 1, 2].map(|q| place[q] - mean[q]);
+            let (x, y, z) = (place[0] - mean[0], place[1] - mean[1], place[2] - mean[2]);
             xx += w * x * x;
             xy += w * x * y;
             yy += w * y * y;
@@ -218,14 +247,13 @@ impl Cell {
         let longest = middle + (half * half + xy * xy).sqrt();
         // An eigenvector of the larger eigenvalue, of any length: the longer of two forms of it.
         let (a, b) = (longest - yy, longest - xx);
-        let none = Lanes::default();
         Self {
             cost: zz.above(longest, zz, longest),
             mean,
             axis: [
-                zz.above(longest, none, a.above(b, a, xy)),
-                zz.above(longest, none, a.above(b, xy, b)),
-                zz.above(longest, Lanes::all(1.0), none),
+                zz.above(longest, zero, a.above(b, a, xy)),
+                zz.above(longest, zero, a.above(b, xy, b)),
+                zz.above(longest, zero.like(1.0), zero),
             ],
         }
     }
