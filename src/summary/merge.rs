@@ -1,6 +1,6 @@
 //! Many lobes of the slope plane become fewer.
 
-use glam::Vec2;
+use glam::{Vec2, Vec4, Vec4Swizzles};
 
 use crate::ndf::{RoughnessTensor, SlopeLobe};
 
@@ -13,11 +13,13 @@ pub struct Entry {
     pub lobe: SlopeLobe,
 }
 
-/// An entry, and where it lies among others: the centre's normal projected on the disk, and the width seen there.
+/// Where an entry lies among others: the centre's normal projected on the disk, and the width seen there.
 #[derive(Clone, Copy, Default)]
 struct Placed {
-    entry: Entry,
-    place: [f32; 3],
+    /// And 1.
+    place: Vec4,
+    weight: f32,
+    entry: usize,
 }
 
 /// Entries that will become one.
@@ -25,17 +27,21 @@ struct Placed {
 struct Cell {
     start: usize,
     end: usize,
-    /// Weighted sum of squares along `axis`.
+    /// Mean place, and 0.
+    mean: Vec4,
+    /// The direction in which places differ most, of any length.
+    axis: Vec4,
+    /// Weighted sum of squares along it.
     cost: f32,
-    axis: [f32; 3],
-    cut: f32,
 }
 
 /// Buffers of [`merge_to`].
 #[derive(Default)]
 pub struct Scratch {
     placed: Vec<Placed>,
+    beyond: Vec<Placed>,
     cells: Vec<Cell>,
+    merged: Vec<Entry>,
 }
 
 /// One lobe for several, of a weight above 0: the mean centre, and the mean scatter widened by the centres' covariance.
@@ -72,16 +78,15 @@ pub fn merge_to(entries: &mut Vec<Entry>, most: usize, scratch: &mut Scratch) {
     if entries.len() <= most {
         return;
     }
-    let Scratch { placed, cells } = scratch;
-    placed.clear();
-    placed.extend(entries.iter().map(|&entry| {
-        let SlopeLobe { centre, scatter } = entry.lobe;
-        let z = 1.0 / (1.0 + centre.length_squared()).sqrt();
-        Placed { entry, place: [centre.x * z, centre.y * z, scatter.mean().sqrt() * z] }
-    }));
-    relate(placed);
+    let Scratch { placed, beyond, cells, merged } = scratch;
+    place(entries, placed);
+    beyond.resize(placed.len(), Placed::default());
+    let mut whole = Sums::default();
+    // Places are relative to the mean; widths are not.
+    let about = Vec4::Z * placed[0].place;
+    placed.iter().for_each(|p| whole.add(p.weight, p.place - about));
     cells.clear();
-    cells.push(cell(placed, 0, placed.len()));
+    cells.push(whole.cell(0, placed.len(), about));
     while cells.len() < most {
         let mut widest = 0;
         for i in 1..cells.len() {
@@ -89,98 +94,128 @@ pub fn merge_to(entries: &mut Vec<Entry>, most: usize, scratch: &mut Scratch) {
                 widest = i;
             }
         }
-        let Cell { start, end, cost, axis, cut } = cells[widest];
-        if cost <= 0.0 {
+        if cells[widest].cost <= 0.0 {
             break;
         }
-        let middle = start + partition(&mut placed[start..end], axis, cut);
-        if middle == start || middle == end {
+        match cut(placed, beyond, &cells[widest]) {
+            Some([below, above]) => {
+                cells[widest] = below;
+                cells.push(above);
+            }
             // Rounding: the entries are as good as equal.
-            cells[widest].cost = 0.0;
-            continue;
+            None => cells[widest].cost = 0.0,
         }
-        cells[widest] = cell(placed, start, middle);
-        let other = cell(placed, middle, end);
-        cells.push(other);
     }
-    entries.clear();
-    entries.extend(cells.iter().map(|c| merge(placed[c.start..c.end].iter().map(|p| p.entry))));
+    merged.clear();
+    merged.extend(cells.iter().map(|c| match &placed[c.start..c.end] {
+        [one] => entries[one.entry],
+        members => merge(members.iter().map(|p| entries[p.entry])),
+    }));
+    std::mem::swap(entries, merged);
 }
 
 /// How much of a round shape is mixed with that of the whole. Without, a long tail makes what lies in it near; with much, lobes
 /// across a long whole are merged.
 const ROUND: f32 = 0.2;
 
-/// Takes places relative to the whole: to its shape, and to its width.
-fn relate(placed: &mut [Placed]) {
-    let (mut weight, mut mean) = (0.0, Vec2::ZERO);
-    for Placed { entry, place: [x, y, _] } in &*placed {
-        weight += entry.weight;
-        mean += entry.weight * Vec2::new(*x, *y);
+/// Places of entries relative to the whole: to its mean and shape, and to its width.
+fn place(entries: &[Entry], placed: &mut Vec<Placed>) {
+    placed.clear();
+    let (mut sums, mut own, mut about) = (Sums::default(), RoughnessTensor::default(), Vec4::ZERO);
+    for (i, Entry { weight, lobe: SlopeLobe { centre, scatter } }) in entries.iter().enumerate() {
+        let z2 = 1.0 / (1.0 + centre.length_squared());
+        let z = z2.sqrt();
+        let place = Vec4::new(centre.x * z, centre.y * z, scatter.mean().sqrt() * z, 1.0);
+        about = if i == 0 { place.with_w(0.0) } else { about };
+        sums.add(*weight, place - about);
+        own = own + *scatter * (z2 * weight);
+        placed.push(Placed { place, weight: *weight, entry: i });
     }
-    mean /= weight;
-    let mut whole = RoughnessTensor::default();
-    for Placed { entry, place: [x, y, _] } in &*placed {
-        let SlopeLobe { centre, scatter } = entry.lobe;
-        let (x, y, z2) = (x - mean.x, y - mean.y, 1.0 / (1.0 + centre.length_squared()));
-        whole = whole + (scatter * z2 + RoughnessTensor { xx: x * x, xy: x * y, yy: y * y }) * (entry.weight / weight);
-    }
+    let Cell { mean, .. } = sums.cell(0, 0, about);
+    let whole = (own + sums.spread()) * (1.0 / sums.first.w);
     let (middle, round) = (whole.mean(), ROUND * whole.mean());
     let l11 = (whole.xx + round).sqrt();
     let l21 = whole.xy / l11;
     let l22 = (whole.yy + round - l21 * l21).sqrt();
-    for Placed { place: [x, y, z], .. } in placed {
-        *x = (*x - mean.x) / l11;
-        *y = (*y - mean.y - l21 * *x) / l22;
-        *z /= middle.sqrt();
+    let scale = Vec4::new(l11, l22, middle.sqrt(), 1.0).recip();
+    let skew = -l21 * scale.x;
+    let about = mean * Vec4::new(1.0, 1.0, 0.0, 0.0);
+    for Placed { place, .. } in placed {
+        let d = *place - about;
+        *place = scale * (d + Vec4::Y * (skew * d.x));
     }
 }
 
-fn cell(placed: &[Placed], start: usize, end: usize) -> Cell {
-    let members = &placed[start..end];
-    if members.len() == 1 {
-        return Cell { start, end, cost: 0.0, axis: [0.0; 3], cut: 0.0 };
-    }
-    let (mut weight, mut mean) = (0.0, [0.0; 3]);
-    for Placed { entry, place } in members {
-        weight += entry.weight;
-        (0..3).for_each(|i| mean[i] += entry.weight * place[i]);
-    }
-    (0..3).for_each(|i| mean[i] /= weight);
-    let (mut spread, mut widths) = (RoughnessTensor::default(), 0.0);
-    for Placed { entry, place } in members {
-        let w = entry.weight;
-        let [x, y, z] = [0, 1, 2].map(|i| place[i] - mean[i]);
-        spread.xx += w * x * x;
-        spread.xy += w * x * y;
-        spread.yy += w * y * y;
-        widths += w * z * z;
-    }
-    let (middle, half) = spread.mean_and_spread();
-    let longest = middle + half;
-    let (cost, axis) = if widths > longest {
-        (widths, [0.0, 0.0, 1.0])
-    } else {
-        // An eigenvector of the larger eigenvalue, of any length: the longer of two forms of it.
-        let (a, b) = (longest - spread.yy, longest - spread.xx);
-        (longest, if a > b { [a, spread.xy, 0.0] } else { [spread.xy, b, 0.0] })
-    };
-    Cell { start, end, cost, axis, cut: along(axis, mean) }
+/// Weighted sums of differences d and of their products.
+#[derive(Clone, Copy, Default)]
+struct Sums {
+    /// x, y, z, 1.
+    first: Vec4,
+    /// xx, xy, yy, zz.
+    second: Vec4,
 }
 
-#[inline(always)]
-fn along(axis: [f32; 3], place: [f32; 3]) -> f32 {
-    axis[0] * place[0] + axis[1] * place[1] + axis[2] * place[2]
-}
+impl Sums {
+    /// `d` with 1 as its last.
+    #[inline(always)]
+    fn add(&mut self, weight: f32, d: Vec4) {
+        let weighted = weight * d;
+        self.first += weighted;
+        self.second += weighted.xxyz() * d.xyyz();
+    }
 
-/// Moves what lies below the cut to the front; how many that are.
-fn partition(placed: &mut [Placed], axis: [f32; 3], cut: f32) -> usize {
-    let mut below = 0;
-    for i in 0..placed.len() {
-        if along(axis, placed[i].place) < cut {
-            placed.swap(below, i);
-            below += 1;
+    /// Weighted sums of products about the mean, of x and y.
+    fn spread(&self) -> RoughnessTensor {
+        let [xx, xy, yy, _] = self.about_mean().to_array();
+        RoughnessTensor { xx: xx.max(0.0), xy, yy: yy.max(0.0) }
+    }
+
+    fn about_mean(&self) -> Vec4 {
+        self.second - self.first.xxyz() * self.first.xyyz() / self.first.w
+    }
+
+    /// The cell of these entries, of which the sums are about a place.
+    fn cell(&self, start: usize, end: usize, about: Vec4) -> Cell {
+        let mean = about + (self.first / self.first.w).with_w(0.0);
+        if end == start + 1 {
+            return Cell { start, end, mean, axis: Vec4::ZERO, cost: 0.0 };
         }
+        let (spread, widths) = (self.spread(), self.about_mean().w);
+        let (middle, half) = spread.mean_and_spread();
+        let longest = middle + half;
+        let (cost, axis) = if widths > longest {
+            (widths, Vec4::Z)
+        } else {
+            // An eigenvector of the larger eigenvalue, of any length: the longer of two forms of it.
+            let (a, b) = (longest - spread.yy, longest - spread.xx);
+            (longest, if a > b { Vec4::new(a, spread.xy, 0.0, 0.0) } else { Vec4::new(spread.xy, b, 0.0, 0.0) })
+        };
+        Cell { start, end, mean, axis, cost }
     }
-    below
+}
+
+/// Cuts a cell at its mean: what lies below comes first. None if nothing lies on one side. `beyond` is scratch.
+///
+/// Without branches, which would be mispredicted half the time: every entry is written to both sides, and one of them moves on.
+fn cut(placed: &mut [Placed], beyond: &mut [Placed], cell: &Cell) -> Option<[Cell; 2]> {
+    let Cell { start, end, mean, axis, .. } = *cell;
+    let members = &mut placed[start..end];
+    let beyond = &mut beyond[..members.len()];
+    let (mut below, mut above) = (Sums::default(), Sums::default());
+    let mut count = 0;
+    for i in 0..members.len() {
+        let p = members[i];
+        let d = p.place - mean;
+        let is_above = axis.dot(d) >= 0.0;
+        let weight = if is_above { p.weight } else { 0.0 };
+        above.add(weight, d);
+        below.add(p.weight - weight, d);
+        members[count] = p;
+        beyond[i - count] = p;
+        count += usize::from(!is_above);
+    }
+    let rest = members.len() - count;
+    members[count..].copy_from_slice(&beyond[..rest]);
+    let middle = start + count;
+    (count > 0 && rest > 0).then(|| [below.cell(start, middle, mean), above.cell(middle, end, mean)])
 }
