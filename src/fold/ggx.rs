@@ -1,6 +1,8 @@
 //! Based on: J. T. Kent, D. E. Tyler, Y. Vardi, "A Curious Likelihood Identity for the Multivariate t-Distribution", 1994.
 
-use super::fit::{Atom, Chunk, Fitted, LANES, Lanes, Shape, estimate, mixture, scatter};
+use super::fit::estimate::Estimate;
+use super::fit::read_out::read_out;
+use super::fit::{Chunk, Fitted, Lanes, Shape, Which, mixture, scatter};
 use super::{Fold, Method};
 use crate::summary::EXACT;
 
@@ -30,21 +32,12 @@ impl pulp::WithSimd for Closest<'_> {
     #[inline(always)]
     fn with_simd<S: pulp::Simd>(self, simd: S) {
         let Self { chunk, shape, out } = self;
-        let mut atoms = Vec::with_capacity(chunk.lobes.len());
-        for first in (0..LANES).step_by(S::F32_LANES) {
-            atoms.clear();
-            for lobe in &chunk.lobes {
-                atoms.push(Atom::new(simd, lobe, first));
-            }
-            let [x, y, z] = &chunk.normal;
-            let normal = [Lanes::load(simd, x, first), Lanes::load(simd, y, first), Lanes::load(simd, z, first)];
-            match &mut *out {
-                [out] => {
-                    let estimate = scatter::closest(&atoms, shape.form, normal[2]);
-                    estimate::read_out(&estimate, shape.form, &normal, Lanes::all(simd, 1.0), first, out);
-                }
-                out => mixture::fit(&atoms, normal[2], shape, first, out),
-            }
+        let [out] = out else { return mixture::fit(simd, chunk, shape, out) };
+        let closest = scatter::closest_of_each(simd, chunk, shape.form);
+        for first in (0..chunk.count).step_by(S::F32_LANES) {
+            let which = Which::From(first);
+            let (estimate, normal) = (Estimate::new(closest.load(simd, which)), chunk.normal.load(simd, which));
+            read_out(&estimate, shape.form, &normal, Lanes::all(simd, 1.0), first, out);
         }
     }
 }

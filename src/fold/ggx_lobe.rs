@@ -4,7 +4,7 @@ use glam::Vec3;
 
 use super::fit::lobe_error::{Candidate, LobeError};
 use super::fit::simplex::{Stop, minimise};
-use super::fit::{Chunk, Fitted, LANES, Shape};
+use super::fit::{Chunk, Fitted, Shape};
 use super::{Fold, Method, ggx};
 use crate::ndf::{Form, Frame, RoughnessTensor};
 use crate::summary::Entry;
@@ -44,22 +44,20 @@ const LOWEST: f32 = 1e-3;
 fn fit(chunk: &Chunk, shape: Shape, out: &mut [Fitted]) {
     ggx::fit(chunk, shape, out);
     // One lobe: of mixtures, all of a footprint's lobes would be refined together here.
-    for i in 0..LANES {
-        // At borders a footprint is repeated to fill the lanes.
-        let from = if i > 0 && chunk.footprint(i).eq(chunk.footprint(i - 1)) { i - 1 } else { i };
-        let start = lane(&out[0], from);
-        put(&mut out[0], i, if from == i { refine(chunk.footprint(i), shape.form, start) } else { start });
+    for i in 0..chunk.count {
+        let start = lane(&out[0], i);
+        put(&mut out[0], i, refine(chunk.footprint(i), shape.form, start));
     }
 }
 
 fn lane(fitted: &Fitted, i: usize) -> Candidate {
-    let [xx, xy, yy] = fitted.tensor.map(|row| row[i]);
-    (Vec3::from(fitted.normal.map(|row| row[i])), RoughnessTensor { xx, xy, yy })
+    let [xx, xy, yy] = fitted.tensor.0.map(|row| row[i]);
+    (Vec3::from(fitted.normal.0.map(|row| row[i])), RoughnessTensor { xx, xy, yy })
 }
 
 fn put(fitted: &mut Fitted, i: usize, (n, r): Candidate) {
-    fitted.normal.iter_mut().zip(n.to_array()).for_each(|(row, v)| row[i] = v);
-    fitted.tensor.iter_mut().zip([r.xx, r.xy, r.yy]).for_each(|(row, v)| row[i] = v);
+    fitted.normal.0.iter_mut().zip(n.to_array()).for_each(|(row, v)| row[i] = v);
+    fitted.tensor.0.iter_mut().zip([r.xx, r.xy, r.yy]).for_each(|(row, v)| row[i] = v);
 }
 
 /// The lobe that looks most like a footprint, searched from `start`; that one where none is noticeably better.

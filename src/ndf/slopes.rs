@@ -23,7 +23,7 @@ pub struct SlopeLobe {
 const POWER_STEPS: usize = 12;
 
 /// Squared width up to which normals are told exactly.
-const WIDEST: f32 = 0.95;
+pub(crate) const WIDEST: f32 = 0.95;
 
 impl SlopeLobe {
     /// From a lobe; `n.z > 0`.

@@ -3,17 +3,20 @@
 use glam::{Vec2, Vec3};
 use pulp::Simd;
 
-use super::lanes::{LANES, Lanes, Row};
+use super::lanes::{FOOTPRINTS, Lanes, Row, Rows, Which};
+use crate::fold::rows::unit;
 use crate::ndf::{Form, Lobe, MOST_LOBES, RoughnessTensor, SlopeLobe};
 use crate::summary::{Entry, QUANTITIES, Summaries};
 
 /// Footprints side by side.
 #[derive(Default)]
 pub struct Chunk {
+    /// So many; beyond them, the last is repeated.
+    pub count: usize,
     /// Their lobes, as summaries have them: weight, centre x y, scatter xx xy yy. Footprints with fewer have some of weight 0.
-    pub lobes: Vec<[Row; QUANTITIES]>,
+    pub lobes: Vec<Rows<QUANTITIES>>,
     /// Their mean normals, unit.
-    pub normal: [Row; 3],
+    pub normal: Rows<3>,
 }
 
 /// A lobe of each footprint, ready for fits: the scatter as its Cholesky factor, `P = L L^T`.
@@ -43,11 +46,11 @@ pub struct Atom<S: Simd> {
 #[derive(Clone, Copy, Default)]
 pub struct Fitted {
     /// Unit normal, x y z.
-    pub normal: [Row; 3],
+    pub normal: Rows<3>,
     /// Tensor xx xy yy, in the transported frame of the normal.
-    pub tensor: [Row; 3],
+    pub tensor: Rows<3>,
     /// Share of the footprint.
-    pub weight: Row,
+    pub weight: Rows<1>,
 }
 
 /// Fits lobes to the footprints of a chunk; one entry of `out` for each lobe that is asked for.
@@ -63,12 +66,9 @@ pub struct Shape {
 }
 
 impl<S: Simd> Atom<S> {
-    /// A lobe of the footprints from `first` on.
+    /// From weight, centre x y and scatter xx xy yy.
     #[inline(always)]
-    pub fn new(simd: S, lobe: &[Row; QUANTITIES], first: usize) -> Self {
-        let [w, x, y, xx, xy, yy] = lobe;
-        let [w, x, y] = [Lanes::load(simd, w, first), Lanes::load(simd, x, first), Lanes::load(simd, y, first)];
-        let [xx, xy, yy] = [Lanes::load(simd, xx, first), Lanes::load(simd, xy, first), Lanes::load(simd, yy, first)];
+    pub fn new([w, x, y, xx, xy, yy]: [Lanes<S>; QUANTITIES]) -> Self {
         let l11 = xx.max(f32::MIN_POSITIVE).sqrt();
         let l21 = xy * l11.inverse();
         // At least a thousandth of the width across: rounding could leave nothing.
@@ -97,35 +97,46 @@ impl<S: Simd> Atom<S> {
 }
 
 impl Chunk {
-    /// The same footprint in every lane; `normal` is its mean normal.
+    /// A single footprint; `normal` is its mean normal.
     pub fn of(entries: &[Entry], normal: Vec3) -> Self {
         let lobe = |&Entry { weight, lobe: SlopeLobe { centre, scatter } }: &Entry| {
-            [weight, centre.x, centre.y, scatter.xx, scatter.xy, scatter.yy].map(|v| [v; LANES])
+            Rows([weight, centre.x, centre.y, scatter.xx, scatter.xy, scatter.yy].map(|v| [v; FOOTPRINTS]))
         };
-        Self { lobes: entries.iter().map(lobe).collect(), normal: normal.to_array().map(|v| [v; LANES]) }
+        let normal = Rows(normal.to_array().map(|v| [v; FOOTPRINTS]));
+        Self { count: 1, lobes: entries.iter().map(lobe).collect(), normal }
     }
 
     /// The lobes of footprint `i`.
     pub fn footprint(&self, i: usize) -> impl Iterator<Item = Entry> + Clone {
         self.lobes.iter().map(move |rows| {
-            let [weight, x, y, xx, xy, yy] = rows.map(|row| row[i]);
+            let [weight, x, y, xx, xy, yy] = rows.0.map(|row| row[i]);
             Entry { weight, lobe: SlopeLobe { centre: Vec2::new(x, y), scatter: RoughnessTensor { xx, xy, yy } } }
         })
     }
 
+    /// The lobes of some footprints.
+    #[inline(always)]
+    pub fn atoms<S: Simd>(&self, simd: S, which: Which, out: &mut Vec<Atom<S>>) {
+        out.clear();
+        for lobe in &self.lobes {
+            out.push(Atom::new(lobe.load(simd, which)));
+        }
+    }
+
     /// Takes the summaries of row `y` from column `x` on; missing columns repeat the last.
     fn gather(&mut self, from: &Summaries, y: usize, x: usize, normals: [&[f32]; 3]) {
-        self.lobes.resize(from.lobes(), Default::default());
+        self.count = FOOTPRINTS.min(from.width() - x);
+        self.lobes.resize(from.lobes(), Rows::default());
         for (lobe, rows) in self.lobes.iter_mut().enumerate() {
-            for (quantity, row) in rows.iter_mut().enumerate() {
+            for (quantity, row) in rows.0.iter_mut().enumerate() {
                 fill(row, &from.row(y, lobe, quantity)[x..]);
             }
         }
-        self.normal.iter_mut().zip(normals).for_each(|(row, from)| fill(row, &from[x..]));
-        for i in 0..LANES {
-            // A mean too short to have a direction points up.
-            let n = Vec3::from(self.normal.map(|row| row[i])).try_normalize().unwrap_or(Vec3::Z);
-            self.normal.iter_mut().zip(n.to_array()).for_each(|(row, v)| row[i] = v);
+        let [nx, ny, nz] = &mut self.normal.0;
+        [&mut *nx, &mut *ny, &mut *nz].into_iter().zip(normals).for_each(|(row, from)| fill(row, &from[x..]));
+        for i in 0..FOOTPRINTS {
+            let n = unit(Vec3::new(nx[i], ny[i], nz[i]));
+            (nx[i], ny[i], nz[i]) = (n.x, n.y, n.z);
         }
     }
 }
@@ -134,7 +145,7 @@ impl Chunk {
 fn fill(row: &mut Row, from: &[f32]) {
     match from.first_chunk() {
         Some(whole) => *row = *whole,
-        None => (0..LANES).for_each(|i| row[i] = from[i.min(from.len() - 1)]),
+        None => (0..FOOTPRINTS).for_each(|i| row[i] = from[i.min(from.len() - 1)]),
     }
 }
 
@@ -151,17 +162,17 @@ pub fn row(
     let mut chunk = Chunk::default();
     let form = shape.form;
     let stride = form.planes() + usize::from(count > 1);
-    for x in (0..from.width()).step_by(LANES) {
+    for x in (0..from.width()).step_by(FOOTPRINTS) {
         let mut fitted = [Fitted::default(); MOST_LOBES];
         chunk.gather(from, y, x, normals);
         fit(&chunk, shape, &mut fitted[..count]);
-        for i in 0..LANES.min(from.width() - x) {
+        for i in 0..chunk.count {
             for (j, fitted) in fitted[..count].iter().enumerate() {
                 let Lobe { normal: n, roughness: r } = fitted.lobe(i);
                 let planes = &mut planes[j * stride..][..stride];
                 let values = match form {
-                    Form::Isotropic => [n.x, n.y, n.z, r.mean(), fitted.weight[i], 0.0, 0.0],
-                    Form::Anisotropic => [n.x, n.y, n.z, r.xx, r.xy, r.yy, fitted.weight[i]],
+                    Form::Isotropic => [n.x, n.y, n.z, r.mean(), fitted.weight.0[0][i], 0.0, 0.0],
+                    Form::Anisotropic => [n.x, n.y, n.z, r.xx, r.xy, r.yy, fitted.weight.0[0][i]],
                 };
                 planes.iter_mut().zip(values).for_each(|(plane, v)| plane[x + i] = v);
             }
@@ -173,14 +184,14 @@ pub fn row(
 pub fn one(fit: Fit, shape: Shape, count: usize, entries: &[Entry], normal: Vec3) -> Vec<(Lobe, f32)> {
     let mut fitted = [Fitted::default(); MOST_LOBES];
     fit(&Chunk::of(entries, normal), shape, &mut fitted[..count]);
-    fitted[..count].iter().map(|fitted| (fitted.lobe(0), fitted.weight[0])).collect()
+    fitted[..count].iter().map(|fitted| (fitted.lobe(0), fitted.weight.0[0][0])).collect()
 }
 
 impl Fitted {
     /// The lobe of a footprint.
     pub fn lobe(&self, i: usize) -> Lobe {
-        let normal = Vec3::from(self.normal.map(|row| row[i]));
-        let [xx, xy, yy] = self.tensor.map(|row| row[i]);
+        let normal = Vec3::from(self.normal.0.map(|row| row[i]));
+        let [xx, xy, yy] = self.tensor.0.map(|row| row[i]);
         Lobe { normal, roughness: RoughnessTensor { xx, xy, yy }.to_bent(normal) }
     }
 }

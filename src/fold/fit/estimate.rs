@@ -1,11 +1,10 @@
-//! An estimate of a footprint's lobe: where it lies in the slope plane, what it overlaps, and how it is read out.
+//! An estimate of a footprint's lobe: where it lies in the slope plane, and what it overlaps.
 
-use glam::{Vec2, Vec3};
 use pulp::Simd;
 
-use super::chunk::{Atom, Fitted};
+use super::chunk::Atom;
 use super::lanes::Lanes;
-use crate::ndf::{Form, RoughnessTensor, SlopeLobe};
+use crate::ndf::Form;
 
 /// A lobe of each footprint by its slopes.
 #[derive(Clone, Copy)]
@@ -23,6 +22,18 @@ pub struct Estimate<S: Simd> {
 }
 
 impl<S: Simd> Estimate<S> {
+    /// From its centre x y and scatter xx xy yy.
+    #[inline(always)]
+    pub fn new([x, y, xx, xy, yy]: [Lanes<S>; 5]) -> Self {
+        Self { x, y, xx, xy, yy }
+    }
+
+    /// Its centre x y and scatter xx xy yy.
+    #[inline(always)]
+    pub fn values(self) -> [Lanes<S>; 5] {
+        [self.x, self.y, self.xx, self.xy, self.yy]
+    }
+
     /// Root of the scatter's determinant.
     #[inline(always)]
     pub fn area(&self) -> Lanes<S> {
@@ -108,39 +119,13 @@ impl<S: Simd> Estimate<S> {
     }
 }
 
-/// Reads an estimate out as the lobes of the footprints from `first` on, given unit normals near theirs.
-///
-/// The wider a lobe, the less its slopes say of its normal, and the more its shading depends on that: by alpha^3 it is taken
-/// from the given one. Where steep and rough texels meet that lies closer in lobe error.
-#[inline(always)]
-pub fn read_out<S: Simd>(
-    e: &Estimate<S>,
-    form: Form,
-    near: &[Lanes<S>; 3],
-    weight: Lanes<S>,
-    first: usize,
-    out: &mut Fitted,
-) {
-    weight.store(&mut out.weight, first);
-    let (x, y, xx, xy, yy) = (e.x.row(), e.y.row(), e.xx.row(), e.xy.row(), e.yy.row());
-    let (near_x, near_y, near_z) = (near[0].row(), near[1].row(), near[2].row());
-    for i in 0..S::F32_LANES {
-        let scatter = RoughnessTensor { xx: xx[i], xy: xy[i], yy: yy[i] };
-        let near = Vec3::new(near_x[i], near_y[i], near_z[i]);
-        let (n, r) = SlopeLobe { centre: Vec2::new(x[i], y[i]), scatter }.near(near);
-        let alpha2 = r.mean().clamp(0.0, 1.0);
-        let n = (n + alpha2 * alpha2.sqrt() * (near - n)).normalize();
-        // That of a lobe of one width is round but for rounding.
-        let r = if form == Form::Isotropic { RoughnessTensor { xx: r.mean(), xy: 0.0, yy: r.mean() } } else { r };
-        (out.normal[0][first + i], out.normal[1][first + i], out.normal[2][first + i]) = (n.x, n.y, n.z);
-        (out.tensor[0][first + i], out.tensor[1][first + i], out.tensor[2][first + i]) = (r.xx, r.xy, r.yy);
-    }
-}
-
 #[cfg(test)]
 mod tests {
-    use super::super::chunk::Chunk;
+    use glam::{Vec2, Vec3};
+
     use super::*;
+    use crate::fold::fit::{Chunk, Which};
+    use crate::ndf::{RoughnessTensor, SlopeLobe};
     use crate::summary::Entry;
 
     /// How much a mirror overlaps itself, and one on the other side.
@@ -156,9 +141,10 @@ mod tests {
             let scatter = RoughnessTensor { xx: self.alpha2, xy: 0.0, yy: self.alpha2 };
             let entry = |x: f32| Entry { weight: 1.0, lobe: SlopeLobe { centre: Vec2::splat(x), scatter } };
             let chunk = Chunk::of(&[entry(self.x), entry(-self.x)], Vec3::Z);
-            let atoms: Vec<Atom<S>> = chunk.lobes.iter().map(|lobe| Atom::new(simd, lobe, 0)).collect();
+            let mut atoms = Vec::new();
+            chunk.atoms(simd, Which::From(0), &mut atoms);
             let [xx, xy, yy] = atoms[0].scatter();
-            let e = Estimate { x: atoms[0].x, y: atoms[0].y, xx, xy, yy };
+            let e = Estimate::new([atoms[0].x, atoms[0].y, xx, xy, yy]);
             [0, 1].map(|k| e.overlap(e.area(), &atoms[k]).row()[0])
         }
     }

@@ -7,11 +7,67 @@ use std::ops::{Add, AddAssign, Mul, MulAssign, Neg, Sub};
 
 use pulp::Simd;
 
-/// Footprints in a chunk; what one register holds, or several.
-pub const LANES: usize = 8;
+/// Most footprints of a chunk, a multiple of what a register holds.
+pub const FOOTPRINTS: usize = 64;
 
 /// A number for each footprint of a chunk, as it is kept.
-pub type Row = [f32; LANES];
+pub type Row = [f32; FOOTPRINTS];
+
+/// Numbers for each footprint of a chunk.
+#[derive(Clone, Copy, Debug)]
+pub struct Rows<const N: usize>(pub [Row; N]);
+
+/// Footprints of a chunk, as many as a register holds.
+#[derive(Clone, Copy)]
+pub enum Which<'a> {
+    /// From this one on.
+    From(usize),
+    /// These; missing ones repeat the last.
+    These(&'a [usize]),
+}
+
+impl<const N: usize> Default for Rows<N> {
+    fn default() -> Self {
+        Self([[0.0; FOOTPRINTS]; N])
+    }
+}
+
+impl<const N: usize> Rows<N> {
+    /// Those of some footprints.
+    #[inline(always)]
+    pub fn load<S: Simd>(&self, simd: S, which: Which) -> [Lanes<S>; N] {
+        let mut out = [Lanes::all(simd, 0.0); N];
+        for (out, row) in out.iter_mut().zip(&self.0) {
+            *out = match which {
+                Which::From(first) => Lanes::load(simd, &row[first..]),
+                Which::These(chosen) => {
+                    let mut picked = [0.0; FOOTPRINTS];
+                    for i in 0..S::F32_LANES {
+                        picked[i] = row[chosen[i.min(chosen.len() - 1)]];
+                    }
+                    Lanes::load(simd, &picked)
+                }
+            };
+        }
+        out
+    }
+
+    /// Puts those of some footprints in their places.
+    #[inline(always)]
+    pub fn store<S: Simd>(&mut self, which: Which, values: [Lanes<S>; N]) {
+        for (row, value) in self.0.iter_mut().zip(values) {
+            match which {
+                Which::From(first) => value.store(&mut row[first..]),
+                Which::These(chosen) => {
+                    let picked = value.row();
+                    for (i, to) in chosen.iter().enumerate() {
+                        row[*to] = picked[i];
+                    }
+                }
+            }
+        }
+    }
+}
 
 /// A number for each of the footprints that a register holds.
 #[derive(Clone, Copy, Debug)]
@@ -33,25 +89,25 @@ impl<S: Simd> Lanes<S> {
         Self::all(self.simd, v)
     }
 
-    /// Those of the footprints from `first` on.
+    /// The first numbers.
     #[inline(always)]
-    pub fn load(simd: S, from: &Row, first: usize) -> Self {
-        let (whole, _) = S::as_simd_f32s(&from[first..]);
+    pub fn load(simd: S, from: &[f32]) -> Self {
+        let (whole, _) = S::as_simd_f32s(from);
         Self { simd, v: whole[0] }
     }
 
-    /// Puts them in their places.
+    /// Becomes the first numbers.
     #[inline(always)]
-    pub fn store(self, to: &mut Row, first: usize) {
-        let (whole, _) = S::as_mut_simd_f32s(&mut to[first..]);
+    pub fn store(self, to: &mut [f32]) {
+        let (whole, _) = S::as_mut_simd_f32s(to);
         whole[0] = self.v;
     }
 
     /// As a row, of which the first ones are filled.
     #[inline(always)]
     pub fn row(self) -> Row {
-        let mut row = [0.0; LANES];
-        self.store(&mut row, 0);
+        let mut row = [0.0; FOOTPRINTS];
+        self.store(&mut row);
         row
     }
 

@@ -10,10 +10,11 @@ use std::f32::consts::FRAC_1_SQRT_2;
 use glam::Vec3;
 use pulp::Simd;
 
-use super::chunk::{Atom, Fitted, Shape};
-use super::estimate::{Estimate, read_out};
-use super::lanes::{Lanes, scaled};
-use super::scatter::{self, Metric, RING, Seen, closest};
+use super::chunk::{Atom, Chunk, Fitted, Shape};
+use super::estimate::Estimate;
+use super::lanes::{Lanes, Rows, Which, scaled};
+use super::read_out::read_out;
+use super::scatter::{self, Metric, RING, Seen};
 use super::seed;
 
 /// Places of the nodes of a lobe along its two axes.
@@ -31,6 +32,9 @@ const LOSS: f32 = 0.1;
 /// Least share of a lobe: below it stays as it is.
 const LEAST_SHARE: f32 = 1e-6;
 
+/// Numbers of a [`Part`].
+const VALUES: usize = 7;
+
 /// A lobe of the mixture.
 #[derive(Clone, Copy)]
 pub(super) struct Part<S: Simd> {
@@ -42,57 +46,116 @@ pub(super) struct Part<S: Simd> {
     pub area: Lanes<S>,
 }
 
-/// Fits as many lobes as `out` has, from 2 on, to the footprints from `first` on; `up` is the z of their mean normals.
+impl<S: Simd> Part<S> {
+    /// The lobe's values, then share and area.
+    #[inline(always)]
+    fn new([x, y, xx, xy, yy, share, area]: [Lanes<S>; VALUES]) -> Self {
+        Self { lobe: Estimate { x, y, xx, xy, yy }, share, area }
+    }
+
+    /// The same.
+    #[inline(always)]
+    fn values(self) -> [Lanes<S>; VALUES] {
+        let Self { lobe: Estimate { x, y, xx, xy, yy }, share, area } = self;
+        [x, y, xx, xy, yy, share, area]
+    }
+}
+
+/// Fits as many lobes as `out` has, from 2 on.
 #[inline(always)]
-pub fn fit<S: Simd>(atoms: &[Atom<S>], up: Lanes<S>, shape: Shape, first: usize, out: &mut [Fitted]) {
+pub fn fit<S: Simd>(simd: S, chunk: &Chunk, shape: Shape, out: &mut [Fitted]) {
     match out.len() {
-        2 => fit_some::<S, 2>(atoms, up, shape, first, out),
-        3 => fit_some::<S, 3>(atoms, up, shape, first, out),
-        _ => fit_some::<S, 4>(atoms, up, shape, first, out),
+        2 => fit_some::<S, 2>(simd, chunk, shape, out),
+        3 => fit_some::<S, 3>(simd, chunk, shape, out),
+        _ => fit_some::<S, 4>(simd, chunk, shape, out),
     }
 }
 
 #[inline(always)]
-fn fit_some<S: Simd, const LOBES: usize>(
-    atoms: &[Atom<S>],
-    up: Lanes<S>,
-    shape: Shape,
-    first: usize,
-    out: &mut [Fitted],
-) {
+fn fit_some<S: Simd, const LOBES: usize>(simd: S, chunk: &Chunk, shape: Shape, out: &mut [Fitted]) {
     let form = shape.form;
-    let shared = if shape.shared_normal { Some(closest(atoms, form, up)) } else { None };
-    let mut parts: [Part<S>; LOBES] = seed::parts(atoms, form, up, shared.as_ref());
-    // Steps lead to the least divergence, away from the least lobe error: two lobes gain by a few, more lobes by none.
-    if LOBES == 2 {
-        let mut whole = match shared {
-            Some(shared) => shared,
-            None => closest(atoms, form, up),
+    let shared = if shape.shared_normal { Some(scatter::closest_of_each(simd, chunk, form)) } else { None };
+    let (mut found, mut atoms, mut doubtful) = ([Rows::default(); LOBES], Vec::new(), Vec::new());
+    for first in (0..chunk.count).step_by(S::F32_LANES) {
+        let which = Which::From(first);
+        chunk.atoms(simd, which, &mut atoms);
+        let parts: [Part<S>; LOBES] = match &shared {
+            Some(shared) => seed::cut(&atoms, form, Some(&Estimate::new(shared.load(simd, which)))),
+            None => {
+                let parts = seed::cut(&atoms, form, None);
+                seed::doubtful(&atoms, &parts, first, chunk.count, &mut doubtful);
+                parts
+            }
         };
-        let metric = Metric::new(&mut whole);
-        let mut axes = Vec::with_capacity(atoms.len());
-        for atom in atoms {
-            let Seen { a: [ax, ay], b: [bx, by], .. } = Seen::new(atom, &whole, &metric);
-            axes.push([ax, ay, bx, by]);
+        store(&mut found, which, &parts);
+    }
+    for some in doubtful.chunks(S::F32_LANES) {
+        let which = Which::These(some);
+        chunk.atoms(simd, which, &mut atoms);
+        let [.., up] = chunk.normal.load(simd, which);
+        let mut parts = load(simd, &found, which);
+        seed::peel_if_better(&atoms, form, up, &mut parts);
+        store(&mut found, which, &parts);
+    }
+    for first in (0..chunk.count).step_by(S::F32_LANES) {
+        let which = Which::From(first);
+        let mut parts: [Part<S>; LOBES] = load(simd, &found, which);
+        // Steps lead to the least divergence, away from the least lobe error: two lobes gain by a few, more lobes by none.
+        if LOBES == 2 {
+            chunk.atoms(simd, which, &mut atoms);
+            move_some(&atoms, shape, &mut parts);
         }
-        let mut moved = parts;
-        for _ in 0..STEPS {
-            step(atoms, &axes, shape, &mut moved);
+        for (part, out) in parts.iter().zip(out.iter_mut()) {
+            // Lobes lie anywhere: their normals are looked for from their own centres.
+            read_out(&part.lobe, form, &part.lobe.direction(), part.area, first, out);
         }
         if shape.shared_normal {
-            parts = moved;
-        } else {
-            let own = seed::covered(atoms, &parts);
-            let least = own - LOSS * (scatter::weight(atoms) - own);
-            seed::choose(&mut parts, &moved, seed::covered(atoms, &moved), least);
+            share_normal::<S>(first, out);
         }
     }
-    for (part, out) in parts.iter().zip(out.iter_mut()) {
-        // Lobes lie anywhere: their normals are looked for from their own centres.
-        read_out(&part.lobe, form, &part.lobe.direction(), part.area, first, out);
+}
+
+#[inline(always)]
+fn load<S: Simd, const LOBES: usize>(simd: S, from: &[Rows<VALUES>; LOBES], which: Which) -> [Part<S>; LOBES] {
+    let mut parts = [Part::new(from[0].load(simd, which)); LOBES];
+    for (part, rows) in parts.iter_mut().zip(from) {
+        *part = Part::new(rows.load(simd, which));
+    }
+    parts
+}
+
+#[inline(always)]
+fn store<S: Simd, const LOBES: usize>(to: &mut [Rows<VALUES>; LOBES], which: Which, parts: &[Part<S>; LOBES]) {
+    for (rows, part) in to.iter_mut().zip(parts) {
+        rows.store(which, part.values());
+    }
+}
+
+/// Takes a few steps; they are kept where the lobes then still cover the footprint, or share a normal.
+#[inline(always)]
+fn move_some<S: Simd, const LOBES: usize>(atoms: &[Atom<S>], shape: Shape, parts: &mut [Part<S>; LOBES]) {
+    let mut whole = scatter::start(
+        atoms,
+        #[inline(always)]
+        |k| atoms[k].w,
+        None,
+    );
+    let metric = Metric::new(&mut whole);
+    let mut axes = Vec::with_capacity(atoms.len());
+    for atom in atoms {
+        let Seen { a: [ax, ay], b: [bx, by], .. } = Seen::new(atom, &whole, &metric);
+        axes.push([ax, ay, bx, by]);
+    }
+    let mut moved = *parts;
+    for _ in 0..STEPS {
+        step(atoms, &axes, shape, &mut moved);
     }
     if shape.shared_normal {
-        share_normal::<S>(first, out);
+        *parts = moved;
+    } else {
+        let own = seed::covered(atoms, parts);
+        let least = own - LOSS * (scatter::weight(atoms) - own);
+        seed::choose(parts, &moved, seed::covered(atoms, &moved), least);
     }
 }
 
@@ -224,8 +287,8 @@ fn common_shift<S: Simd>(parts: &[Part<S>], sums: &[Sums<S>]) -> [Lanes<S>; 2] {
 #[inline(always)]
 fn share_normal<S: Simd>(first: usize, out: &mut [Fitted]) {
     for i in first..first + S::F32_LANES {
-        let mean: Vec3 = out.iter().map(|fitted| fitted.weight[i] * Vec3::from(fitted.normal.map(|row| row[i]))).sum();
+        let mean: Vec3 = out.iter().map(|fitted| fitted.weight.0[0][i] * Vec3::from(fitted.normal.0.map(|row| row[i]))).sum();
         let mean = mean.normalize().to_array();
-        out.iter_mut().for_each(|fitted| fitted.normal.iter_mut().zip(mean).for_each(|(row, v)| row[i] = v));
+        out.iter_mut().for_each(|fitted| fitted.normal.0.iter_mut().zip(mean).for_each(|(row, v)| row[i] = v));
     }
 }

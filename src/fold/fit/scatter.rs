@@ -13,9 +13,9 @@
 use std::f32::consts::FRAC_1_SQRT_2;
 
 use pulp::Simd;
-use super::chunk::Atom;
+use super::chunk::{Atom, Chunk};
 use super::estimate::Estimate;
-use super::lanes::Lanes;
+use super::lanes::{Lanes, Rows, Which};
 use crate::ndf::Form;
 
 /// Squared radii of the rings: `u / (1 - u)` at `u = 1/2 -+ 1/(2 sqrt 3)`, so `2 -+ sqrt 3`.
@@ -117,60 +117,127 @@ impl<S: Simd> Seen<S> {
     }
 }
 
-/// The closest lobe of each footprint; `up` is the z of its mean normal.
+/// The closest lobe of each footprint of a chunk: centre x y and scatter xx xy yy.
 ///
-/// Parts that lie apart, or smooth and rough texels together, leave some to choose from, about all, about the smooth ones and
-/// about the texel that is most typical: of these it is the one that covers most.
+/// Few footprints leave some to choose from: the search of all those goes side by side.
+#[inline(always)]
+pub fn closest_of_each<S: Simd>(simd: S, chunk: &Chunk, form: Form) -> Rows<5> {
+    let (mut found, mut atoms, mut doubtful) = (Rows::default(), Vec::new(), Vec::new());
+    for first in (0..chunk.count).step_by(S::F32_LANES) {
+        let which = Which::From(first);
+        chunk.atoms(simd, which, &mut atoms);
+        let [.., up] = chunk.normal.load(simd, which);
+        let e = near(&atoms, form, up);
+        found.store(which, e.values());
+        Doubts::new(&atoms, &e).whose(first, chunk.count, &mut doubtful);
+    }
+    for some in doubtful.chunks(S::F32_LANES) {
+        let which = Which::These(some);
+        chunk.atoms(simd, which, &mut atoms);
+        let [.., up] = chunk.normal.load(simd, which);
+        let e = Estimate::new(found.load(simd, which));
+        found.store(which, settled(&atoms, form, up, e).values());
+    }
+    found
+}
+
+/// The closest lobe of each footprint; `up` is the z of its mean normal.
 #[inline(always)]
 pub fn closest<S: Simd>(atoms: &[Atom<S>], form: Form, up: Lanes<S>) -> Estimate<S> {
-    let mut first = start(
+    settled(atoms, form, up, near(atoms, form, up))
+}
+
+/// A lobe that is near the closest one.
+#[inline(always)]
+fn near<S: Simd>(atoms: &[Atom<S>], form: Form, up: Lanes<S>) -> Estimate<S> {
+    let mut e = start(
         atoms,
         #[inline(always)]
         |k| atoms[k].w,
         None,
     );
     for _ in 0..STEPS {
-        step::<S, false>(atoms, form, up, &mut first);
+        step::<S, false>(atoms, form, up, &mut e);
     }
-    let (zero, all, own) = (up.like(0.0), weight(atoms), covered(atoms, &first));
-    let mut unlike = zero;
-    for atom in atoms {
-        // What is as good as absent is like any other.
-        unlike += atom.w.above(ABSENT * all, atom.unlike(&atoms[0], UNLIKE), zero);
+    e
+}
+
+/// Why a lobe may not be the one to take; above 0 for footprints of which that holds.
+struct Doubts<S: Simd> {
+    /// There are smooth and rough texels.
+    unlike: Lanes<S>,
+    /// It leaves much uncovered: there are parts that lie apart.
+    apart: Lanes<S>,
+    /// How much it covers.
+    covered: Lanes<S>,
+    /// Weight of all atoms.
+    all: Lanes<S>,
+}
+
+impl<S: Simd> Doubts<S> {
+    #[inline(always)]
+    fn new(atoms: &[Atom<S>], e: &Estimate<S>) -> Self {
+        let (zero, all, covered) = (e.x.like(0.0), weight(atoms), covered(atoms, e));
+        let mut unlike = zero;
+        for atom in atoms {
+            // What is as good as absent is like any other.
+            unlike += atom.w.above(ABSENT * all, atom.unlike(&atoms[0], UNLIKE), zero);
+        }
+        Self { unlike, apart: (APART * all).above(covered, all, zero), covered, all }
     }
-    let apart = (APART * all).above(own, all, zero);
-    if (unlike + apart).any_above(zero) {
-        // Others in the chunk keep their first.
-        let majority = own.above(MAJORITY * all, own, MAJORITY * all);
-        let none = up.like(f32::INFINITY);
-        let mut most = unlike.above(zero, own, apart.above(zero, majority, none));
-        if unlike.any_above(zero) {
-            let mut smoother = start(
-                atoms,
-                #[inline(always)]
-                |k| {
-                    let [xx, _, yy] = atoms[k].scatter();
-                    atoms[k].w * (xx + yy).max(LEAST).inverse()
-                },
-                None,
-            );
-            for _ in 0..2 * STEPS {
-                step::<S, true>(atoms, form, up, &mut smoother);
+
+    /// Appends the footprints that have one, of those from `first` to below `end`.
+    #[inline(always)]
+    fn whose(&self, first: usize, end: usize, out: &mut Vec<usize>) {
+        let any = (self.unlike + self.apart).row();
+        for i in 0..S::F32_LANES.min(end - first) {
+            if any[i] > 0.0 {
+                out.push(first + i);
             }
-            let mut least = unlike.above(zero, most, none);
-            smoother.replace_if_better(atoms, MORE, &mut first, &mut least);
-            most = unlike.above(zero, least, most);
         }
-        let (mut typical, mut best) = (Estimate { x: zero, y: zero, xx: zero, xy: zero, yy: zero }, zero);
-        for a in atoms {
-            let [xx, xy, yy] = a.scatter();
-            Estimate { x: a.x, y: a.y, xx, xy, yy }.replace_if_better(atoms, 1.0, &mut typical, &mut best);
-        }
-        for _ in 0..2 * STEPS {
-            step::<S, true>(atoms, form, up, &mut typical);
-        }
-        typical.replace_if_better(atoms, MORE, &mut first, &mut most);
     }
+}
+
+/// The lobe to take, given the one near the closest.
+///
+/// Parts that lie apart, or smooth and rough texels together, leave some to choose from, about all, about the smooth ones and
+/// about the texel that is most typical: of these it is the one that covers most.
+#[inline(always)]
+fn settled<S: Simd>(atoms: &[Atom<S>], form: Form, up: Lanes<S>, mut first: Estimate<S>) -> Estimate<S> {
+    let (zero, none) = (up.like(0.0), up.like(f32::INFINITY));
+    let Doubts { unlike, apart, covered: own, all } = Doubts::new(atoms, &first);
+    if !(unlike + apart).any_above(zero) {
+        return first;
+    }
+    // Footprints without doubts keep their first.
+    let majority = own.above(MAJORITY * all, own, MAJORITY * all);
+    let mut most = unlike.above(zero, own, apart.above(zero, majority, none));
+    if unlike.any_above(zero) {
+        let mut smoother = start(
+            atoms,
+            #[inline(always)]
+            |k| {
+                let [xx, _, yy] = atoms[k].scatter();
+                atoms[k].w * (xx + yy).max(LEAST).inverse()
+            },
+            None,
+        );
+        for _ in 0..2 * STEPS {
+            step::<S, true>(atoms, form, up, &mut smoother);
+        }
+        let mut least = unlike.above(zero, most, none);
+        smoother.replace_if_better(atoms, MORE, &mut first, &mut least);
+        most = unlike.above(zero, least, most);
+    }
+    let (mut typical, mut best) = (first, zero);
+    for a in atoms {
+        let [xx, xy, yy] = a.scatter();
+        Estimate { x: a.x, y: a.y, xx, xy, yy }.replace_if_better(atoms, 1.0, &mut typical, &mut best);
+    }
+    for _ in 0..2 * STEPS {
+        step::<S, true>(atoms, form, up, &mut typical);
+    }
+    typical.replace_if_better(atoms, MORE, &mut first, &mut most);
     first
 }
 

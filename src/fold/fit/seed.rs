@@ -21,26 +21,44 @@ const COVERED: f32 = 0.5;
 /// Distance that rounding alone may make.
 const NOTHING: f32 = 3e-5;
 
-/// The parts of the footprint, each a lobe as a single one starts; of those of a common centre, that of `shared`, how far they
-/// reach from it.
+/// The footprint cut by place; or, where its parts have a common centre, that of `shared`, by how far they reach from it.
 #[inline(always)]
-pub(super) fn parts<S: Simd, const LOBES: usize>(
+pub(super) fn cut<S: Simd, const LOBES: usize>(
+    atoms: &[Atom<S>],
+    form: Form,
+    shared: Option<&Estimate<S>>,
+) -> [Part<S>; LOBES] {
+    lobes(atoms, &halves::<S, LOBES>(atoms, shared), form, shared)
+}
+
+/// Appends the footprints that parts leave uncovered too much, of those from `first` to below `end`.
+#[inline(always)]
+pub(super) fn doubtful<S: Simd, const LOBES: usize>(
+    atoms: &[Atom<S>],
+    parts: &[Part<S>; LOBES],
+    first: usize,
+    end: usize,
+    out: &mut Vec<usize>,
+) {
+    let left = (APART * scatter::weight(atoms) - covered(atoms, parts)).row();
+    for i in 0..S::F32_LANES.min(end - first) {
+        if left[i] > 0.0 {
+            out.push(first + i);
+        }
+    }
+}
+
+/// Takes the parts that are found by peeling where they cover more.
+#[inline(always)]
+pub(super) fn peel_if_better<S: Simd, const LOBES: usize>(
     atoms: &[Atom<S>],
     form: Form,
     up: Lanes<S>,
-    shared: Option<&Estimate<S>>,
-) -> [Part<S>; LOBES] {
-    let mut parts = lobes(atoms, &cut::<S, LOBES>(atoms, shared), form, shared);
-    if shared.is_none() {
-        let own = covered(atoms, &parts);
-        let none = up.like(f32::INFINITY);
-        let apart = (APART * scatter::weight(atoms)).above(own, own, none);
-        if none.any_above(apart) {
-            let peeled = peel::<S, LOBES>(atoms, form, up);
-            choose(&mut parts, &peeled, covered(atoms, &peeled), BETTER * apart);
-        }
-    }
-    parts
+    parts: &mut [Part<S>; LOBES],
+) {
+    let peeled = peel::<S, LOBES>(atoms, form, up);
+    let least = BETTER * covered(atoms, parts);
+    choose(parts, &peeled, covered(atoms, &peeled), least);
 }
 
 /// Takes other parts where `value` is larger than `least`.
@@ -110,7 +128,7 @@ fn peel<S: Simd, const LOBES: usize>(atoms: &[Atom<S>], form: Form, up: Lanes<S>
 /// centre and width, until there are enough. Parts that share a centre, that of `shared`, are cut by how far they reach from
 /// it.
 #[inline(always)]
-fn cut<S: Simd, const LOBES: usize>(atoms: &[Atom<S>], shared: Option<&Estimate<S>>) -> Members<S, LOBES> {
+fn halves<S: Simd, const LOBES: usize>(atoms: &[Atom<S>], shared: Option<&Estimate<S>>) -> Members<S, LOBES> {
     let mut places = Vec::with_capacity(atoms.len());
     for atom in atoms {
         places.push(match shared {
