@@ -10,14 +10,28 @@ use crate::ndf::RoughnessTensor;
 /// Mean and covariance of the slopes; the lobe is `base + 2 covariance` about the mean slope's normal, the
 /// covariance carried into that normal's tangent plane. Normals steeper than 78.5 degrees count as that steep
 /// ([`crate::moments::STEEPEST_Z`]), so a texture that is steeper everywhere is flattened to it.
+// A named function would not always be inlined into the rows' loops.
+#[allow(clippy::redundant_closure)]
 pub const FOLD: Fold = Fold {
     name: "lean",
     cite: "Olano & Baker 2010; Dupuy et al. 2013",
     about: "slope moments, alpha^2 + 2 covariance",
     method: Method::Moments(MomentFold {
         needs: Needs::SLOPE_COV.and(Needs::TENSOR),
-        isotropic: |row, out| row.isotropic_part(out, lobe),
-        anisotropic: Some(|row, out| row.anisotropic(out, lobe)),
+        isotropic: |row, out| {
+            row.isotropic_part(
+                out,
+                #[inline(always)]
+                |m| lobe(m),
+            )
+        },
+        anisotropic: Some(|row, out| {
+            row.anisotropic(
+                out,
+                #[inline(always)]
+                |m| lobe(m),
+            )
+        }),
     }),
 };
 

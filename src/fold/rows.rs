@@ -34,7 +34,11 @@ impl<'a> MomentRow<'a> {
     fn each(&self, mut f: impl FnMut(usize, &Moments)) {
         let planes = self.planes.map(|row| &row[..self.width]);
         for i in 0..self.width {
-            f(i, &Moments { values: std::array::from_fn(|p| planes[p][i]) });
+            let mut values = [0.0; plane::COUNT];
+            for p in 0..plane::COUNT {
+                values[p] = planes[p][i];
+            }
+            f(i, &Moments { values });
         }
     }
 
@@ -45,19 +49,26 @@ impl<'a> MomentRow<'a> {
         let n = self.width;
         let (x, y, z, xx, yy) = (&mut x[..n], &mut y[..n], &mut z[..n], &mut xx[..n], &mut yy[..n]);
         xy[..n].fill(0.0);
-        self.each(|i, moments| {
-            let (normal, alpha2) = fold(moments);
-            (x[i], y[i], z[i], xx[i], yy[i]) = (normal.x, normal.y, normal.z, alpha2, alpha2);
-        });
+        self.each(
+            #[inline(always)]
+            |i, moments| {
+                let (normal, alpha2) = fold(moments);
+                (x[i], y[i], z[i], xx[i], yy[i]) = (normal.x, normal.y, normal.z, alpha2, alpha2);
+            },
+        );
     }
 
     /// Runs an anisotropic fold and keeps the mean of its squared widths.
     #[inline(always)]
     pub fn isotropic_part(&self, out: &mut LobeRow, fold: impl Fn(&Moments) -> (Vec3, RoughnessTensor)) {
-        self.isotropic(out, |moments| {
-            let (normal, tensor) = fold(moments);
-            (normal, tensor.mean())
-        });
+        self.isotropic(
+            out,
+            #[inline(always)]
+            |moments| {
+                let (normal, tensor) = fold(moments);
+                (normal, tensor.mean())
+            },
+        );
     }
 
     /// Runs an anisotropic fold: normal and tensor, in the transported frame of that normal, of each footprint.
@@ -67,11 +78,14 @@ impl<'a> MomentRow<'a> {
         let n = self.width;
         let (x, y, z) = (&mut x[..n], &mut y[..n], &mut z[..n]);
         let (xx, xy, yy) = (&mut xx[..n], &mut xy[..n], &mut yy[..n]);
-        self.each(|i, moments| {
-            let (normal, tensor) = fold(moments);
-            let r = tensor.to_bent(normal);
-            (x[i], y[i], z[i], xx[i], xy[i], yy[i]) = (normal.x, normal.y, normal.z, r.xx, r.xy, r.yy);
-        });
+        self.each(
+            #[inline(always)]
+            |i, moments| {
+                let (normal, tensor) = fold(moments);
+                let r = tensor.to_bent(normal);
+                (x[i], y[i], z[i], xx[i], xy[i], yy[i]) = (normal.x, normal.y, normal.z, r.xx, r.xy, r.yy);
+            },
+        );
     }
 }
 

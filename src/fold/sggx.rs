@@ -8,14 +8,28 @@ use crate::ndf::RoughnessTensor;
 
 /// The mean of the lobes' ellipsoid matrices `S = n n^T + T R T^t`, cut by the tangent plane of the mean normal.
 /// Linear in the squared projected area, though not in D: to first order it adds half of what LEAN adds.
+// A named function would not always be inlined into the rows' loops.
+#[allow(clippy::redundant_closure)]
 pub const FOLD: Fold = Fold {
     name: "sggx",
     cite: "Heitz et al. 2015",
     about: "average of ellipsoid matrices",
     method: Method::Moments(MomentFold {
         needs: Needs::NORMAL_COV.and(Needs::FORM).and(Needs::TENSOR),
-        isotropic: |row, out| row.isotropic_part(out, lobe),
-        anisotropic: Some(|row, out| row.anisotropic(out, lobe)),
+        isotropic: |row, out| {
+            row.isotropic_part(
+                out,
+                #[inline(always)]
+                |m| lobe(m),
+            )
+        },
+        anisotropic: Some(|row, out| {
+            row.anisotropic(
+                out,
+                #[inline(always)]
+                |m| lobe(m),
+            )
+        }),
     }),
 };
 
@@ -23,8 +37,10 @@ pub const FOLD: Fold = Fold {
 fn lobe(m: &Moments) -> (Vec3, RoughnessTensor) {
     let n = unit(m.normal());
     let cov = m.normal_cov();
-    let form = m.form();
-    let spread: [f32; 6] = std::array::from_fn(|i| cov[i] + form[i]);
+    let mut spread = m.form();
+    for i in 0..6 {
+        spread[i] += cov[i];
+    }
     let along = m.normal().dot(m.normal()) + on_axis(spread, n);
     (n, tangential(spread, n) * (1.0 / along))
 }

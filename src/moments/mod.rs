@@ -179,7 +179,9 @@ impl Moments {
     /// Covariance of the unit normals, xx xy xz yy yz zz.
     #[inline(always)]
     pub fn normal_cov(&self) -> [f32; 6] {
-        std::array::from_fn(|i| self.values[NORMAL_COV + i])
+        let mut out = [0.0; 6];
+        out.copy_from_slice(&self.values[NORMAL_COV..NORMAL_COV + 6]);
+        out
     }
 
     /// `1 - r^2` for the length r of the mean unit normal: the trace of their covariance.
@@ -217,7 +219,9 @@ impl Moments {
     /// Mean base roughness form in texture space, xx xy xz yy yz zz.
     #[inline(always)]
     pub fn form(&self) -> [f32; 6] {
-        std::array::from_fn(|i| self.values[FORM + i])
+        let mut out = [0.0; 6];
+        out.copy_from_slice(&self.values[FORM..FORM + 6]);
+        out
     }
 }
 

@@ -59,12 +59,14 @@ impl RoughnessTensor {
     }
 
     /// Half the trace, and half the difference of the eigenvalues.
+    #[inline(always)]
     pub fn mean_and_spread(self) -> (f32, f32) {
         let half = 0.5 * (self.xx - self.yy);
         (self.mean(), (half * half + self.xy * self.xy).sqrt())
     }
 
     /// The tensor turned counter-clockwise by the angle with this cosine and sine.
+    #[inline(always)]
     pub fn rotated(self, cos: f32, sin: f32) -> Self {
         let (cc, ss, cs) = (cos * cos, sin * sin, cos * sin);
         Self {
@@ -93,6 +95,7 @@ impl RoughnessTensor {
 
 impl Add for RoughnessTensor {
     type Output = Self;
+    #[inline(always)]
     fn add(self, o: Self) -> Self {
         Self { xx: self.xx + o.xx, xy: self.xy + o.xy, yy: self.yy + o.yy }
     }
@@ -100,6 +103,7 @@ impl Add for RoughnessTensor {
 
 impl Sub for RoughnessTensor {
     type Output = Self;
+    #[inline(always)]
     fn sub(self, o: Self) -> Self {
         Self { xx: self.xx - o.xx, xy: self.xy - o.xy, yy: self.yy - o.yy }
     }
@@ -107,6 +111,7 @@ impl Sub for RoughnessTensor {
 
 impl Mul<f32> for RoughnessTensor {
     type Output = Self;
+    #[inline(always)]
     fn mul(self, k: f32) -> Self {
         Self { xx: self.xx * k, xy: self.xy * k, yy: self.yy * k }
     }

@@ -50,41 +50,65 @@ pub struct Scratch {
 /// is P: so the covariance C of the centres adds to it as it is. (By itself the smeared lobe would be closest to `P + 2 C`
 /// down to `P + 1.2 C`, but many such would widen the whole.) Here `C = E|d| E[d d^T / |d|]` for differences d from the mean:
 /// the covariance of two equal parts, and finite where lobes lie as a lobe's own slopes do, which have no covariance.
+#[inline(always)]
 pub fn merge(entries: impl Iterator<Item = Entry> + Clone) -> Entry {
-    let weight: f32 = entries.clone().map(|e| e.weight).sum();
-    let share = |e: &Entry| e.weight / weight;
     // Differences from the first keep equal entries as they are.
     let first = entries.clone().next().expect("something to merge").lobe;
-    let (mut shift, mut scatter) = (Vec2::ZERO, first.scatter);
+    let (mut weight, mut shift, mut scatter) = (0.0, Vec2::ZERO, RoughnessTensor::default());
     for e in entries.clone() {
-        shift += (e.lobe.centre - first.centre) * share(&e);
-        scatter = scatter + (e.lobe.scatter - first.scatter) * share(&e);
+        weight += e.weight;
+        shift += (e.lobe.centre - first.centre) * e.weight;
+        scatter = scatter + (e.lobe.scatter - first.scatter) * e.weight;
     }
-    let centre = first.centre + shift;
+    let inverse = 1.0 / weight;
+    let centre = first.centre + shift * inverse;
     let (mut covariance, mut length) = (RoughnessTensor::default(), 0.0);
     for e in entries {
         let d = e.lobe.centre - centre;
         let off = d.length();
-        length += off * share(&e);
-        let scale = share(&e) / off.max(f32::MIN_POSITIVE);
+        length += off * e.weight;
+        let scale = e.weight / off.max(f32::MIN_POSITIVE);
         covariance = covariance + RoughnessTensor { xx: d.x * d.x, xy: d.x * d.y, yy: d.y * d.y } * scale;
     }
-    Entry { weight, lobe: SlopeLobe { centre, scatter: scatter + covariance * length } }
+    let scatter = first.scatter + (scatter + covariance * (length * inverse)) * inverse;
+    Entry { weight, lobe: SlopeLobe { centre, scatter } }
 }
 
 /// Merges `entries` to at most `most`, near ones first: cells are cut at their mean, across the direction in which they
 /// are longest, the cell with the largest weighted sum of squares first. What is near is measured by the shape of the whole.
 pub fn merge_to(entries: &mut Vec<Entry>, most: usize, scratch: &mut Scratch) {
-    if entries.len() <= most {
-        return;
+    if entries.len() > most {
+        pulp::Arch::new().dispatch(MergeTo { entries, most, scratch });
     }
+}
+
+/// [`merge_to`], compiled for several processors. A type, and no closure: calls of closures are not inlined there.
+struct MergeTo<'a> {
+    entries: &'a mut Vec<Entry>,
+    most: usize,
+    scratch: &'a mut Scratch,
+}
+
+impl pulp::WithSimd for MergeTo<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) {
+        cut_and_merge(self.entries, self.most, self.scratch);
+    }
+}
+
+#[inline(always)]
+fn cut_and_merge(entries: &mut Vec<Entry>, most: usize, scratch: &mut Scratch) {
     let Scratch { placed, beyond, cells, merged } = scratch;
     place(entries, placed);
     beyond.resize(placed.len(), Placed::default());
     let mut whole = Sums::default();
     // Places are relative to the mean; widths are not.
     let about = Vec4::Z * placed[0].place;
-    placed.iter().for_each(|p| whole.add(p.weight, p.place - about));
+    for p in &*placed {
+        whole.add(p.weight, p.place - about);
+    }
     cells.clear();
     cells.push(whole.cell(0, placed.len(), about));
     while cells.len() < most {
@@ -107,10 +131,12 @@ pub fn merge_to(entries: &mut Vec<Entry>, most: usize, scratch: &mut Scratch) {
         }
     }
     merged.clear();
-    merged.extend(cells.iter().map(|c| match &placed[c.start..c.end] {
-        [one] => entries[one.entry],
-        members => merge(members.iter().map(|p| entries[p.entry])),
-    }));
+    for c in &*cells {
+        merged.push(match &placed[c.start..c.end] {
+            [one] => entries[one.entry],
+            members => merge(members.iter().map(|p| entries[p.entry])),
+        });
+    }
     std::mem::swap(entries, merged);
 }
 
@@ -119,6 +145,7 @@ pub fn merge_to(entries: &mut Vec<Entry>, most: usize, scratch: &mut Scratch) {
 const ROUND: f32 = 0.2;
 
 /// Places of entries relative to the whole: to its mean and shape, and to its width.
+#[inline(always)]
 fn place(entries: &[Entry], placed: &mut Vec<Placed>) {
     placed.clear();
     let (mut sums, mut own, mut about) = (Sums::default(), RoughnessTensor::default(), Vec4::ZERO);
@@ -131,8 +158,9 @@ fn place(entries: &[Entry], placed: &mut Vec<Placed>) {
         own = own + *scatter * (z2 * weight);
         placed.push(Placed { place, weight: *weight, entry: i });
     }
-    let Cell { mean, .. } = sums.cell(0, 0, about);
-    let whole = (own + sums.spread()) * (1.0 / sums.first.w);
+    let (mean, [xx, xy, yy, _]) = sums.about_mean();
+    let mean = about + mean;
+    let whole = (own + RoughnessTensor { xx: xx.max(0.0), xy, yy: yy.max(0.0) }) * (1.0 / sums.first.w);
     let (middle, round) = (whole.mean(), ROUND * whole.mean());
     let l11 = (whole.xx + round).sqrt();
     let l21 = whole.xy / l11;
@@ -164,39 +192,37 @@ impl Sums {
         self.second += weighted.xxyz() * d.xyyz();
     }
 
-    /// Weighted sums of products about the mean, of x and y.
-    fn spread(&self) -> RoughnessTensor {
-        let [xx, xy, yy, _] = self.about_mean().to_array();
-        RoughnessTensor { xx: xx.max(0.0), xy, yy: yy.max(0.0) }
-    }
-
-    fn about_mean(&self) -> Vec4 {
-        self.second - self.first.xxyz() * self.first.xyyz() / self.first.w
+    /// The mean's d, and the sums of products about it.
+    #[inline(always)]
+    fn about_mean(&self) -> (Vec4, [f32; 4]) {
+        let mean = self.first * (1.0 / self.first.w);
+        (mean.with_w(0.0), (self.second - self.first.xxyz() * mean.xyyz()).to_array())
     }
 
     /// The cell of these entries, of which the sums are about a place.
+    #[inline(always)]
     fn cell(&self, start: usize, end: usize, about: Vec4) -> Cell {
-        let mean = about + (self.first / self.first.w).with_w(0.0);
         if end == start + 1 {
-            return Cell { start, end, mean, axis: Vec4::ZERO, cost: 0.0 };
+            return Cell { start, end, mean: about, axis: Vec4::ZERO, cost: 0.0 };
         }
-        let (spread, widths) = (self.spread(), self.about_mean().w);
-        let (middle, half) = spread.mean_and_spread();
-        let longest = middle + half;
-        let (cost, axis) = if widths > longest {
-            (widths, Vec4::Z)
+        let (mean, [xx, xy, yy, zz]) = self.about_mean();
+        let (middle, half) = (0.5 * (xx + yy), 0.5 * (xx - yy));
+        let longest = middle + (half * half + xy * xy).sqrt();
+        let (cost, axis) = if zz > longest {
+            (zz, Vec4::Z)
         } else {
             // An eigenvector of the larger eigenvalue, of any length: the longer of two forms of it.
-            let (a, b) = (longest - spread.yy, longest - spread.xx);
-            (longest, if a > b { Vec4::new(a, spread.xy, 0.0, 0.0) } else { Vec4::new(spread.xy, b, 0.0, 0.0) })
+            let (a, b) = (longest - yy, longest - xx);
+            (longest, if a > b { Vec4::new(a, xy, 0.0, 0.0) } else { Vec4::new(xy, b, 0.0, 0.0) })
         };
-        Cell { start, end, mean, axis, cost }
+        Cell { start, end, mean: about + mean, axis, cost }
     }
 }
 
 /// Cuts a cell at its mean: what lies below comes first. None if nothing lies on one side. `beyond` is scratch.
 ///
 /// Without branches, which would be mispredicted half the time: every entry is written to both sides, and one of them moves on.
+#[inline(always)]
 fn cut(placed: &mut [Placed], beyond: &mut [Placed], cell: &Cell) -> Option<[Cell; 2]> {
     let Cell { start, end, mean, axis, .. } = *cell;
     let members = &mut placed[start..end];

@@ -161,7 +161,12 @@ fn move_some<S: Simd, const LOBES: usize>(atoms: &[Atom<S>], shape: Shape, parts
 
 /// One step.
 #[inline(always)]
-fn step<S: Simd, const LOBES: usize>(atoms: &[Atom<S>], axes: &[[Lanes<S>; 4]], shape: Shape, parts: &mut [Part<S>; LOBES]) {
+fn step<S: Simd, const LOBES: usize>(
+    atoms: &[Atom<S>],
+    axes: &[[Lanes<S>; 4]],
+    shape: Shape,
+    parts: &mut [Part<S>; LOBES],
+) {
     let zero = parts[0].share.like(0.0);
     let none = Metric { xx: zero, xy: zero, yy: zero, root: zero };
     let mut metrics = [none; LOBES];
@@ -176,8 +181,7 @@ fn step<S: Simd, const LOBES: usize>(atoms: &[Atom<S>], axes: &[[Lanes<S>; 4]], 
         let own = atom.scatter();
         for [p, q] in NODES {
             let (x, y) = (atom.x + p * *ax + q * *bx, atom.y + p * *ay + q * *by);
-            let (mut d, mut w, mut density) =
-                ([[zero; 2]; LOBES], [zero; LOBES], [zero; LOBES]);
+            let (mut d, mut w, mut density) = ([[zero; 2]; LOBES], [zero; LOBES], [zero; LOBES]);
             let mut all = zero.like(f32::MIN_POSITIVE);
             for j in 0..LOBES {
                 let (m, e) = (&metrics[j], &parts[j].lobe);
@@ -287,7 +291,8 @@ fn common_shift<S: Simd>(parts: &[Part<S>], sums: &[Sums<S>]) -> [Lanes<S>; 2] {
 #[inline(always)]
 fn share_normal<S: Simd>(first: usize, out: &mut [Fitted]) {
     for i in first..first + S::F32_LANES {
-        let mean: Vec3 = out.iter().map(|fitted| fitted.weight.0[0][i] * Vec3::from(fitted.normal.0.map(|row| row[i]))).sum();
+        let mean: Vec3 =
+            out.iter().map(|fitted| fitted.weight.0[0][i] * Vec3::from(fitted.normal.0.map(|row| row[i]))).sum();
         let mean = mean.normalize().to_array();
         out.iter_mut().for_each(|fitted| fitted.normal.0.iter_mut().zip(mean).for_each(|(row, v)| row[i] = v));
     }

@@ -12,11 +12,11 @@
 
 use std::f32::consts::FRAC_1_SQRT_2;
 
-use pulp::Simd;
 use super::chunk::{Atom, Chunk};
 use super::estimate::Estimate;
 use super::lanes::{Lanes, Rows, Which};
 use crate::ndf::Form;
+use pulp::Simd;
 
 /// Squared radii of the rings: `u / (1 - u)` at `u = 1/2 -+ 1/(2 sqrt 3)`, so `2 -+ sqrt 3`.
 const RING2: [f32; 2] = [0.267_949_2, 3.732_051];
@@ -276,7 +276,11 @@ fn covered<S: Simd>(atoms: &[Atom<S>], e: &Estimate<S>) -> Lanes<S> {
 /// by the inverse of its root: those of absolute values, which GGX has, where it has no second moments. A single lobe is its
 /// own start. `weight` is that of an atom.
 #[inline(always)]
-pub fn start<S: Simd>(atoms: &[Atom<S>], weight: impl Fn(usize) -> Lanes<S>, about: Option<&Estimate<S>>) -> Estimate<S> {
+pub fn start<S: Simd>(
+    atoms: &[Atom<S>],
+    weight: impl Fn(usize) -> Lanes<S>,
+    about: Option<&Estimate<S>>,
+) -> Estimate<S> {
     let zero = atoms[0].w.like(0.0);
     let mut all = zero;
     let mut e = Estimate { x: zero, y: zero, xx: zero, xy: zero, yy: zero };
