@@ -66,11 +66,12 @@ pub fn merge(entries: impl Iterator<Item = Entry> + Clone) -> Entry {
     for e in entries {
         let d = e.lobe.centre - centre;
         let off = d.length();
-        length += off * e.weight;
-        let scale = e.weight / off.max(f32::MIN_POSITIVE);
+        let share = e.weight * inverse;
+        length += off * share;
+        let scale = share / off.max(f32::MIN_POSITIVE);
         covariance = covariance + RoughnessTensor { xx: d.x * d.x, xy: d.x * d.y, yy: d.y * d.y } * scale;
     }
-    let scatter = first.scatter + (scatter + covariance * (length * inverse)) * inverse;
+    let scatter = first.scatter + scatter * inverse + covariance * length;
     Entry { weight, lobe: SlopeLobe { centre, scatter } }
 }
 
@@ -148,26 +149,30 @@ const ROUND: f32 = 0.2;
 #[inline(always)]
 fn place(entries: &[Entry], placed: &mut Vec<Placed>) {
     placed.clear();
-    let (mut sums, mut own, mut about) = (Sums::default(), RoughnessTensor::default(), Vec4::ZERO);
+    let (mut sum, mut own) = (Vec4::ZERO, RoughnessTensor::default());
     for (i, Entry { weight, lobe: SlopeLobe { centre, scatter } }) in entries.iter().enumerate() {
         let z2 = 1.0 / (1.0 + centre.length_squared());
         let z = z2.sqrt();
         let place = Vec4::new(centre.x * z, centre.y * z, scatter.mean().sqrt() * z, 1.0);
-        about = if i == 0 { place.with_w(0.0) } else { about };
-        sums.add(*weight, place - about);
+        sum += *weight * place;
         own = own + *scatter * (z2 * weight);
         placed.push(Placed { place, weight: *weight, entry: i });
     }
-    let (mean, [xx, xy, yy, _]) = sums.about_mean();
-    let mean = about + mean;
-    let whole = (own + RoughnessTensor { xx: xx.max(0.0), xy, yy: yy.max(0.0) }) * (1.0 / sums.first.w);
+    let inverse = 1.0 / sum.w;
+    let about = sum * inverse * Vec4::new(1.0, 1.0, 0.0, 0.0);
+    let mut sums = Sums::default();
+    for p in &*placed {
+        sums.add(p.weight, p.place - about);
+    }
+    // Of the differences from the mean themselves: of differences of sums, narrow footprints would keep rounding alone.
+    let [xx, xy, yy, _] = sums.second.to_array();
+    let whole = (own + RoughnessTensor { xx, xy, yy }) * inverse;
     let (middle, round) = (whole.mean(), ROUND * whole.mean());
     let l11 = (whole.xx + round).sqrt();
     let l21 = whole.xy / l11;
     let l22 = (whole.yy + round - l21 * l21).sqrt();
     let scale = Vec4::new(l11, l22, middle.sqrt(), 1.0).recip();
     let skew = -l21 * scale.x;
-    let about = mean * Vec4::new(1.0, 1.0, 0.0, 0.0);
     for Placed { place, .. } in placed {
         let d = *place - about;
         *place = scale * (d + Vec4::Y * (skew * d.x));

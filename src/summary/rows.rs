@@ -86,10 +86,11 @@ impl Summaries {
     pub fn append(&self, x: usize, y: usize, scale: f32, out: &mut Vec<Entry>) {
         for lobe in 0..self.lobes {
             let [weight, cx, cy, xx, xy, yy] = std::array::from_fn(|q| self.row(y, lobe, q)[x]);
+            let weight = weight * scale;
             if weight > 0.0 {
                 let scatter = RoughnessTensor { xx, xy, yy };
                 let lobe = SlopeLobe { centre: glam::Vec2::new(cx, cy), scatter };
-                out.push(Entry { weight: weight * scale, lobe });
+                out.push(Entry { weight, lobe });
             }
         }
     }
