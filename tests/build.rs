@@ -113,9 +113,9 @@ impl Map<'_> {
         }
     }
 
-    /// No level is smoother than the smoothest texel of its footprint. `true` if some level is clearly rougher than the plain
-    /// average.
-    fn never_smoother_than_the_smoothest(&self) -> bool {
+    /// No level is smoother than the smoothest texel of its footprint, or, if that was asked for, than the plain average.
+    /// `true` if some level is clearly rougher than the plain average.
+    fn never_too_smooth(&self, at_least_average: bool) -> bool {
         let roughness = |level: &Raster| {
             let rough = self.channel("perceptual-roughness").map(|c| plane(level, c));
             let smooth = || plane(level, self.channel("smoothness").unwrap()).into_iter().map(|v| 1.0 - v).collect();
@@ -132,7 +132,7 @@ impl Map<'_> {
             let average = shrink(&base, self.size(), level.size());
             let smoothest = least(&base, self.size(), level.size());
             for (i, got) in roughness(level).iter().map(|got| f64::from(*got)).enumerate() {
-                let least = f64::from(smoothest[i]) - rounding;
+                let least = if at_least_average { average[i] } else { f64::from(smoothest[i]) } - rounding;
                 assert!(got >= least, "{} level {k} texel {i}: {got} for {least}", self.name);
                 most = f64::max(most, got - average[i]);
             }
@@ -202,7 +202,7 @@ fn hold(built: &Value) -> (bool, bool) {
         map.normals_are_unit();
         // Texels without a normal do not count in the fold, but do in a plain average.
         if complete {
-            rougher |= map.never_smoother_than_the_smoothest();
+            rougher |= map.never_too_smooth(manifest["at_least_average"] == true);
         }
     }
     // Heights become normals under another name.
@@ -246,6 +246,22 @@ fn every_material_of_the_textures_builds() {
     assert!(held.iter().filter(|(others, _)| *others).count() >= 8);
     let rougher = held.iter().filter(|(_, rougher)| *rougher).count();
     assert!(rougher >= 15, "{rougher} of {} got rougher", held.len());
+}
+
+#[test]
+fn real_materials_can_be_kept_at_least_as_rough_as_their_average() {
+    let Some(textures) = common::textures() else { return };
+    for set in ["rock058", "tiles107", "metal027"] {
+        let folder = tempfile::tempdir().unwrap();
+        let (set, out) = (textures.join(set), folder.path().join("out"));
+        let run =
+            mipfold().args(["build", "--json", "--at-least-average"]).arg(set).arg("-o").arg(&out).output().unwrap();
+        assert_eq!(run.status.code(), Some(0), "{}", String::from_utf8_lossy(&run.stderr));
+        let report: Value = serde_json::from_slice(&run.stdout).unwrap();
+        let materials = report["materials"].as_array().unwrap();
+        let held: Vec<_> = materials.iter().map(hold).collect();
+        assert!(held.iter().any(|(_, rougher)| *rougher));
+    }
 }
 
 fn digests(folder: &Path) -> BTreeMap<String, Vec<u8>> {

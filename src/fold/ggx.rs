@@ -41,3 +41,71 @@ impl pulp::WithSimd for Closest<'_> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec3;
+    use pulp::WithSimd;
+
+    use super::*;
+    use crate::fold::fit::Rows;
+    use crate::ndf::{Form, Lobe, SlopeLobe};
+    use crate::random::Random;
+    use crate::roughness::Alpha;
+    use crate::summary::Entry;
+
+    /// Footprints of nine lobes: waves, some of them with mirrors that lie apart, some with a single lobe.
+    fn footprints(count: usize) -> Vec<(Vec<Entry>, Vec3)> {
+        let mut random = Random::new(11, 0);
+        let mut uniform = |low: f32, high: f32| low + (high - low) * random.uniform() as f32;
+        let mut footprint = |i: usize| {
+            let entries: Vec<Entry> = (0..9)
+                .map(|k| {
+                    let reach = if i % 3 == 0 { 0.6 } else { 0.1 };
+                    let alpha = if i % 5 == 0 && k < 4 { 0.002 } else { uniform(0.05, 0.4) };
+                    let normal = Vec3::new(uniform(-reach, reach), uniform(-reach, reach), 1.0).normalize();
+                    let weight = if i % 7 == 0 && k > 0 { 0.0 } else { uniform(0.5, 1.0) };
+                    Entry { weight, lobe: SlopeLobe::new(&Lobe::isotropic(normal, Alpha(alpha))) }
+                })
+                .collect();
+            (entries, Vec3::new(uniform(-0.1, 0.1), uniform(-0.1, 0.1), 1.0).normalize())
+        };
+        (0..count).map(&mut footprint).collect()
+    }
+
+    fn bits(fitted: &[Fitted], i: usize) -> Vec<u32> {
+        let values = |f: &Fitted| f.normal.at(i).into_iter().chain(f.tensor.at(i)).chain([f.weight[i]]);
+        fitted.iter().flat_map(values).map(f32::to_bits).collect()
+    }
+
+    #[test]
+    fn alone_or_in_a_chunk_on_any_registers_the_bits_are_the_same() {
+        for count in [13, 64] {
+            let footprints = footprints(count);
+            let alone: Vec<Chunk> = footprints.iter().map(|(entries, normal)| Chunk::of(entries, *normal)).collect();
+            let mut chunk = Chunk { count, lobes: vec![Rows::default(); 9], normal: Rows::default() };
+            for (i, one) in alone.iter().enumerate() {
+                chunk.normal.set(i, one.normal.at(0));
+                chunk.lobes.iter_mut().zip(&one.lobes).for_each(|(rows, own)| rows.set(i, own.at(0)));
+            }
+            let forms = [Form::Isotropic, Form::Anisotropic].into_iter();
+            for (form, shared_normal) in forms.flat_map(|form| [(form, false), (form, true)]) {
+                let shape = Shape { form, shared_normal };
+                for lobes in 1..=4 {
+                    let [mut on_registers, mut one_by_one] =
+                        [vec![Fitted::default(); lobes], vec![Fitted::default(); lobes]];
+                    fit(&chunk, shape, &mut on_registers);
+                    Closest { chunk: &chunk, shape, out: &mut one_by_one }.with_simd(pulp::Scalar);
+                    for i in 0..count {
+                        let mut own = vec![Fitted::default(); lobes];
+                        fit(&alone[i], shape, &mut own);
+                        let found = bits(&on_registers, i);
+                        assert!(found.iter().all(|v| f32::from_bits(*v).is_finite()));
+                        assert_eq!(found, bits(&one_by_one, i), "{shape:?}, {lobes} lobes, footprint {i}: registers");
+                        assert_eq!(found, bits(&own, 0), "{shape:?}, {lobes} lobes, footprint {i}: alone");
+                    }
+                }
+            }
+        }
+    }
+}

@@ -51,13 +51,13 @@ fn fit(chunk: &Chunk, shape: Shape, out: &mut [Fitted]) {
 }
 
 fn lane(fitted: &Fitted, i: usize) -> Candidate {
-    let [xx, xy, yy] = fitted.tensor.0.map(|row| row[i]);
-    (Vec3::from(fitted.normal.0.map(|row| row[i])), RoughnessTensor { xx, xy, yy })
+    let [xx, xy, yy] = fitted.tensor.at(i);
+    (Vec3::from(fitted.normal.at(i)), RoughnessTensor { xx, xy, yy })
 }
 
 fn put(fitted: &mut Fitted, i: usize, (n, r): Candidate) {
-    fitted.normal.0.iter_mut().zip(n.to_array()).for_each(|(row, v)| row[i] = v);
-    fitted.tensor.0.iter_mut().zip([r.xx, r.xy, r.yy]).for_each(|(row, v)| row[i] = v);
+    fitted.normal.set(i, n.to_array());
+    fitted.tensor.set(i, [r.xx, r.xy, r.yy]);
 }
 
 /// The lobe that looks most like a footprint, searched from `start`; that one where none is noticeably better.

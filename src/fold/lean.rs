@@ -10,8 +10,7 @@ use crate::ndf::RoughnessTensor;
 /// Mean and covariance of the slopes; the lobe is `base + 2 covariance` about the mean slope's normal, the
 /// covariance carried into that normal's tangent plane. Normals steeper than 78.5 degrees count as that steep
 /// ([`crate::moments::STEEPEST_Z`]), so a texture that is steeper everywhere is flattened to it.
-// A named function would not always be inlined into the rows' loops.
-#[allow(clippy::redundant_closure)]
+#[expect(clippy::redundant_closure, reason = "a named function is not always inlined into the rows' loops")]
 pub const FOLD: Fold = Fold {
     name: "lean",
     cite: "Olano & Baker 2010; Dupuy et al. 2013",

@@ -9,8 +9,7 @@ use crate::ndf::RoughnessTensor;
 
 /// The covariance of the normals projected on the tangent plane of their mean: bounded by 1, so no texel can own
 /// a footprint. A GGX lobe projected on its disk has the matrix `B = (R^-1 - I)^-1`; the fold is `B' = B + 2 C`.
-// A named function would not always be inlined into the rows' loops.
-#[allow(clippy::redundant_closure)]
+#[expect(clippy::redundant_closure, reason = "a named function is not always inlined into the rows' loops")]
 pub const FOLD: Fold = Fold {
     name: "projected",
     cite: "Tokuyoshi & Kaplanyan 2021",

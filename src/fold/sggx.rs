@@ -8,8 +8,7 @@ use crate::ndf::RoughnessTensor;
 
 /// The mean of the lobes' ellipsoid matrices `S = n n^T + T R T^t`, cut by the tangent plane of the mean normal.
 /// Linear in the squared projected area, though not in D: to first order it adds half of what LEAN adds.
-// A named function would not always be inlined into the rows' loops.
-#[allow(clippy::redundant_closure)]
+#[expect(clippy::redundant_closure, reason = "a named function is not always inlined into the rows' loops")]
 pub const FOLD: Fold = Fold {
     name: "sggx",
     cite: "Heitz et al. 2015",

@@ -179,9 +179,7 @@ impl Moments {
     /// Covariance of the unit normals, xx xy xz yy yz zz.
     #[inline(always)]
     pub fn normal_cov(&self) -> [f32; 6] {
-        let mut out = [0.0; 6];
-        out.copy_from_slice(&self.values[NORMAL_COV..NORMAL_COV + 6]);
-        out
+        *self.values[NORMAL_COV..].first_chunk().expect("six of them")
     }
 
     /// `1 - r^2` for the length r of the mean unit normal: the trace of their covariance.
@@ -219,9 +217,7 @@ impl Moments {
     /// Mean base roughness form in texture space, xx xy xz yy yz zz.
     #[inline(always)]
     pub fn form(&self) -> [f32; 6] {
-        let mut out = [0.0; 6];
-        out.copy_from_slice(&self.values[FORM..FORM + 6]);
-        out
+        *self.values[FORM..].first_chunk().expect("six of them")
     }
 }
 

@@ -19,7 +19,7 @@ mod lobe;
 mod lobes;
 mod readout;
 mod shape;
-mod slopes;
+pub(crate) mod slopes;
 mod student;
 mod tensor;
 #[cfg(test)]
@@ -32,7 +32,6 @@ pub use lobes::{Form, Lobes, MOST_LOBES, are_shares, lobes_in_words};
 pub use readout::{BURLEY_LEAST_RATIO, Burley, Gltf, TensorRoot};
 pub use shape::ShapeInvariant;
 pub use slopes::SlopeLobe;
-pub(crate) use slopes::WIDEST;
 pub use student::{Student, TailExponent};
 pub use tensor::{Axes, RoughnessTensor};
 

@@ -25,6 +25,15 @@ const POWER_STEPS: usize = 12;
 /// Squared width up to which normals are told exactly.
 pub(crate) const WIDEST: f32 = 0.95;
 
+/// Steps of Rayleigh quotient iteration, each of which trebles the digits.
+pub(crate) const EIGEN_STEPS: usize = 4;
+
+/// Least determinant of its equations, over the squared eigenvalue.
+pub(crate) const SINGULAR: f32 = 1e-6;
+
+/// Least z of a normal, before it is made unit.
+pub(crate) const LEAST_Z: f32 = 1e-4;
+
 impl SlopeLobe {
     /// From a lobe; `n.z > 0`.
     pub fn new(lobe: &Lobe) -> Self {
@@ -122,18 +131,17 @@ impl SlopeLobe {
         // Wider than nearly 1, the tensor would leave the normal to rounding, or to a direction near the horizon.
         let spread = RoughnessTensor { xx: s(t, t), xy: s(t, b), yy: s(b, b) }.clamped(0.0, WIDEST * nn);
         let RoughnessTensor { xx: tt, xy: tb, yy: bb } = spread;
-        // The eigenvector (x, y, 1) by Rayleigh quotient iteration, `(lambda - S_pp) x = S_pn`: three times as many digits
-        // a step.
+        // The eigenvector (x, y, 1) by Rayleigh quotient iteration, `(lambda - S_pp) x = S_pn`.
         let (mut x, mut y, mut lambda) = (0.0, 0.0, nn);
-        for _ in 0..4 {
+        for _ in 0..EIGEN_STEPS {
             let (a, d) = (lambda - tt, lambda - bb);
             let det = a * d - tb * tb;
-            let scale = 1.0 / det.max(1e-6 * lambda * lambda);
+            let scale = 1.0 / det.max(SINGULAR * lambda * lambda);
             (x, y) = ((d * tn + tb * bn) * scale, (tb * tn + a * bn) * scale);
             let form = nn + 2.0 * (tn * x + bn * y) + tt * x * x + 2.0 * tb * x * y + bb * y * y;
             lambda = form / (1.0 + x * x + y * y);
         }
-        let v = Vec3::new(t.x * x + b.x * y + n0.x, t.y * x + b.y * y + n0.y, (t.z * x + b.z * y + n0.z).max(1e-4));
+        let v = Vec3::new(t.x * x + b.x * y + n0.x, t.y * x + b.y * y + n0.y, (t.z * x + b.z * y + n0.z).max(LEAST_Z));
         let n = v * (1.0 / (v.x * v.x + v.y * v.y + v.z * v.z).sqrt());
         let Frame { tangent: t, bitangent: b } = Frame::transported(n);
         let scale = 1.0 / s(n, n);

@@ -104,12 +104,9 @@ fn cut_and_merge(entries: &mut Vec<Entry>, most: usize, scratch: &mut Scratch) {
     let Scratch { placed, beyond, cells, merged } = scratch;
     place(entries, placed);
     beyond.resize(placed.len(), Placed::default());
-    let mut whole = Sums::default();
     // Places are relative to the mean; widths are not.
     let about = Vec4::Z * placed[0].place;
-    for p in &*placed {
-        whole.add(p.weight, p.place - about);
-    }
+    let whole = Sums::of(placed, about);
     cells.clear();
     cells.push(whole.cell(0, placed.len(), about));
     while cells.len() < most {
@@ -141,6 +138,9 @@ fn cut_and_merge(entries: &mut Vec<Entry>, most: usize, scratch: &mut Scratch) {
     std::mem::swap(entries, merged);
 }
 
+/// Share of the sum of squares before a cut below which those after it are rounding, or near it.
+const NOISE: f32 = 1e-4;
+
 /// How much of a round shape is mixed with that of the whole. Without, a long tail makes what lies in it near; with much, lobes
 /// across a long whole are merged.
 const ROUND: f32 = 0.2;
@@ -160,10 +160,7 @@ fn place(entries: &[Entry], placed: &mut Vec<Placed>) {
     }
     let inverse = 1.0 / sum.w;
     let about = sum * inverse * Vec4::new(1.0, 1.0, 0.0, 0.0);
-    let mut sums = Sums::default();
-    for p in &*placed {
-        sums.add(p.weight, p.place - about);
-    }
+    let sums = Sums::of(placed, about);
     // Of the differences from the mean themselves: of differences of sums, narrow footprints would keep rounding alone.
     let [xx, xy, yy, _] = sums.second.to_array();
     let whole = (own + RoughnessTensor { xx, xy, yy }) * inverse;
@@ -189,6 +186,16 @@ struct Sums {
 }
 
 impl Sums {
+    /// Of places about another, whose last is 0.
+    #[inline(always)]
+    fn of(placed: &[Placed], about: Vec4) -> Self {
+        let mut sums = Self::default();
+        for p in placed {
+            sums.add(p.weight, p.place - about);
+        }
+        sums
+    }
+
     /// `d` with 1 as its last.
     #[inline(always)]
     fn add(&mut self, weight: f32, d: Vec4) {
@@ -248,5 +255,15 @@ fn cut(placed: &mut [Placed], beyond: &mut [Placed], cell: &Cell) -> Option<[Cel
     let rest = members.len() - count;
     members[count..].copy_from_slice(&beyond[..rest]);
     let middle = start + count;
-    (count > 0 && rest > 0).then(|| [below.cell(start, middle, mean), above.cell(middle, end, mean)])
+    if count == 0 || rest == 0 {
+        return None;
+    }
+    let mut cells = [below.cell(start, middle, mean), above.cell(middle, end, mean)];
+    for c in &mut cells {
+        // Of what is far from this mean beside its own extent, differences of sums tell nothing.
+        if c.cost < NOISE * cell.cost && c.end > c.start + 1 {
+            *c = Sums::of(&placed[c.start..c.end], c.mean).cell(c.start, c.end, c.mean);
+        }
+    }
+    Some(cells)
 }

@@ -78,3 +78,46 @@ fn equal_lobes_merge_to_themselves() {
     assert_eq!(merged.lobe, one.lobe);
     assert!((merged.weight - 7.5).abs() < 1e-5);
 }
+
+/// Of three in a row, of which one lies at the mean: a third of the weight is there, so that `E|d| E[d d^T / |d|]` is 4/9 of
+/// the squared distance.
+#[test]
+fn a_lobe_at_the_mean_is_as_any_other() {
+    for weight in [1e-3, 1.0, 1e3, 1e7] {
+        let mut entries: Vec<Entry> = [-0.3, 0.0, 0.3].map(|x| entry(x, 0.0, 0.2, weight)).into();
+        // Equal but for their place.
+        entries.iter_mut().for_each(|e| e.lobe.scatter = entry(0.0, 0.0, 0.2, 1.0).lobe.scatter);
+        let (apart, own) = (entries[0].lobe.centre.x.powi(2), entries[0].lobe.scatter);
+        merge_to(&mut entries, 1, &mut Scratch::default());
+        let [merged] = entries[..] else { panic!("{entries:?}") };
+        let scatter = merged.lobe.scatter;
+        assert!(merged.lobe.centre.length() < 1e-6, "{merged:?}");
+        assert!(
+            (scatter.xx - own.xx - 4.0 / 9.0 * apart).abs() < 1e-6 && (scatter.yy - own.yy).abs() < 1e-6,
+            "{merged:?}"
+        );
+    }
+}
+
+/// What is close together beside the distance to others is told apart all the same.
+#[test]
+fn tight_groups_far_apart_are_cut_as_they_would_be_alone() {
+    // Of 0 and -0 alike.
+    let places = |entries: &[Entry]| {
+        let bits = |e: &Entry| e.lobe.centre.to_array().map(|v| (v + 0.0).to_bits());
+        let mut places: Vec<_> = entries.iter().map(bits).collect();
+        places.sort_unstable();
+        places.dedup();
+        places
+    };
+    for offset in 0..50 {
+        let group = |x: f32| {
+            let x = x + 0.003 * offset as f32;
+            (0..20).map(move |i| entry(x + 1e-5 * (i % 4) as f32, 1e-5 * (i % 2) as f32, 1e-5, 1.0))
+        };
+        let mut entries: Vec<Entry> = group(-0.5).chain(group(0.5)).collect();
+        let expected = places(&entries);
+        merge_to(&mut entries, 8, &mut Scratch::default());
+        assert_eq!(places(&entries), expected, "{offset}");
+    }
+}

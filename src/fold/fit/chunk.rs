@@ -3,6 +3,7 @@
 use glam::{Vec2, Vec3};
 use pulp::Simd;
 
+use super::estimate::Estimate;
 use super::lanes::{FOOTPRINTS, Lanes, Row, Rows, Which};
 use crate::fold::rows::unit;
 use crate::ndf::{Form, Lobe, MOST_LOBES, RoughnessTensor, SlopeLobe};
@@ -43,14 +44,14 @@ pub struct Atom<S: Simd> {
 }
 
 /// A lobe fitted to each footprint of a chunk.
-#[derive(Clone, Copy, Default)]
+#[derive(Clone, Copy)]
 pub struct Fitted {
     /// Unit normal, x y z.
     pub normal: Rows<3>,
     /// Tensor xx xy yy, in the transported frame of the normal.
     pub tensor: Rows<3>,
     /// Share of the footprint.
-    pub weight: Rows<1>,
+    pub weight: Row,
 }
 
 /// Fits lobes to the footprints of a chunk; one entry of `out` for each lobe that is asked for.
@@ -88,6 +89,13 @@ impl<S: Simd> Atom<S> {
         a.above(ratio * b, yes, b.above(ratio * a, yes, no))
     }
 
+    /// The lobe itself.
+    #[inline(always)]
+    pub fn estimate(&self) -> Estimate<S> {
+        let [xx, xy, yy] = self.scatter();
+        Estimate { x: self.x, y: self.y, xx, xy, yy }
+    }
+
     /// The scatter xx xy yy.
     #[inline(always)]
     pub fn scatter(&self) -> [Lanes<S>; 3] {
@@ -109,7 +117,7 @@ impl Chunk {
     /// The lobes of footprint `i`.
     pub fn footprint(&self, i: usize) -> impl Iterator<Item = Entry> + Clone {
         self.lobes.iter().map(move |rows| {
-            let [weight, x, y, xx, xy, yy] = rows.0.map(|row| row[i]);
+            let [weight, x, y, xx, xy, yy] = rows.at(i);
             Entry { weight, lobe: SlopeLobe { centre: Vec2::new(x, y), scatter: RoughnessTensor { xx, xy, yy } } }
         })
     }
@@ -171,8 +179,8 @@ pub fn row(
                 let Lobe { normal: n, roughness: r } = fitted.lobe(i);
                 let planes = &mut planes[j * stride..][..stride];
                 let values = match form {
-                    Form::Isotropic => [n.x, n.y, n.z, r.mean(), fitted.weight.0[0][i], 0.0, 0.0],
-                    Form::Anisotropic => [n.x, n.y, n.z, r.xx, r.xy, r.yy, fitted.weight.0[0][i]],
+                    Form::Isotropic => [n.x, n.y, n.z, r.mean(), fitted.weight[i], 0.0, 0.0],
+                    Form::Anisotropic => [n.x, n.y, n.z, r.xx, r.xy, r.yy, fitted.weight[i]],
                 };
                 planes.iter_mut().zip(values).for_each(|(plane, v)| plane[x + i] = v);
             }
@@ -184,14 +192,19 @@ pub fn row(
 pub fn one(fit: Fit, shape: Shape, count: usize, entries: &[Entry], normal: Vec3) -> Vec<(Lobe, f32)> {
     let mut fitted = [Fitted::default(); MOST_LOBES];
     fit(&Chunk::of(entries, normal), shape, &mut fitted[..count]);
-    fitted[..count].iter().map(|fitted| (fitted.lobe(0), fitted.weight.0[0][0])).collect()
+    fitted[..count].iter().map(|fitted| (fitted.lobe(0), fitted.weight[0])).collect()
+}
+
+impl Default for Fitted {
+    fn default() -> Self {
+        Self { normal: Rows::default(), tensor: Rows::default(), weight: [0.0; FOOTPRINTS] }
+    }
 }
 
 impl Fitted {
     /// The lobe of a footprint.
     pub fn lobe(&self, i: usize) -> Lobe {
-        let normal = Vec3::from(self.normal.0.map(|row| row[i]));
-        let [xx, xy, yy] = self.tensor.0.map(|row| row[i]);
+        let (normal, [xx, xy, yy]) = (Vec3::from(self.normal.at(i)), self.tensor.at(i));
         Lobe { normal, roughness: RoughnessTensor { xx, xy, yy }.to_bent(normal) }
     }
 }

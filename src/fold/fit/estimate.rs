@@ -28,6 +28,12 @@ impl<S: Simd> Estimate<S> {
         Self { x, y, xx, xy, yy }
     }
 
+    /// Centre and scatter 0, as sums begin.
+    #[inline(always)]
+    pub fn nothing(zero: Lanes<S>) -> Self {
+        Self::new([zero; 5])
+    }
+
     /// Its centre x y and scatter xx xy yy.
     #[inline(always)]
     pub fn values(self) -> [Lanes<S>; 5] {
@@ -143,8 +149,7 @@ mod tests {
             let chunk = Chunk::of(&[entry(self.x), entry(-self.x)], Vec3::Z);
             let mut atoms = Vec::new();
             chunk.atoms(simd, Which::From(0), &mut atoms);
-            let [xx, xy, yy] = atoms[0].scatter();
-            let e = Estimate::new([atoms[0].x, atoms[0].y, xx, xy, yy]);
+            let e = atoms[0].estimate();
             [0, 1].map(|k| e.overlap(e.area(), &atoms[k]).row()[0])
         }
     }

@@ -1,7 +1,7 @@
 //! Numbers of footprints side by side, with the arithmetic of one.
 //!
 //! What works on them is inlined into a clone for the processor's vector registers. A closure that is handed to an iterator
-//! may be compiled on its own, for no processor in particular, and is then many times slower: such code is written in loops.
+//! may be compiled on its own, for no processor in particular: such code is written in loops.
 
 use std::ops::{Add, AddAssign, Mul, MulAssign, Neg, Sub};
 
@@ -33,6 +33,24 @@ impl<const N: usize> Default for Rows<N> {
 }
 
 impl<const N: usize> Rows<N> {
+    /// Those of footprint `i`.
+    #[inline(always)]
+    pub fn at(&self, i: usize) -> [f32; N] {
+        let mut values = [0.0; N];
+        for (value, row) in values.iter_mut().zip(&self.0) {
+            *value = row[i];
+        }
+        values
+    }
+
+    /// Puts those of footprint `i`.
+    #[inline(always)]
+    pub fn set(&mut self, i: usize, values: [f32; N]) {
+        for (row, value) in self.0.iter_mut().zip(values) {
+            row[i] = value;
+        }
+    }
+
     /// Those of some footprints.
     #[inline(always)]
     pub fn load<S: Simd>(&self, simd: S, which: Which) -> [Lanes<S>; N] {
@@ -92,6 +110,7 @@ impl<S: Simd> Lanes<S> {
     /// The first numbers.
     #[inline(always)]
     pub fn load(simd: S, from: &[f32]) -> Self {
+        const { assert!(FOOTPRINTS.is_multiple_of(S::F32_LANES)) };
         let (whole, _) = S::as_simd_f32s(from);
         Self { simd, v: whole[0] }
     }
@@ -141,6 +160,17 @@ impl<S: Simd> Lanes<S> {
     #[inline(always)]
     pub fn above(self, other: Self, yes: Self, no: Self) -> Self {
         Self { v: self.simd.select_f32s(self.simd.greater_than_f32s(self.v, other.v), yes.v, no.v), ..self }
+    }
+
+    /// Appends the footprints, of those from `first` to below `end`, of which it is above 0.
+    #[inline(always)]
+    pub fn append_positive(self, first: usize, end: usize, out: &mut Vec<usize>) {
+        let row = self.row();
+        for i in 0..S::F32_LANES.min(end - first) {
+            if row[i] > 0.0 {
+                out.push(first + i);
+            }
+        }
     }
 
     /// Whether one of them is larger than the other's.

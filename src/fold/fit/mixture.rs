@@ -1,5 +1,5 @@
-//! A few GGX lobes together: those of the footprint's parts, two of them moved by expectation maximisation over the same nodes
-//! as those of a single lobe, where they then still cover the footprint.
+//! A few GGX lobes together: those of the footprint's parts, two of them moved by expectation maximisation over nodes as those
+//! of a single lobe, where they then still cover the footprint.
 //!
 //! Based on: D. Peel, G. J. McLachlan, "Robust Mixture Modelling Using the t Distribution", 2000; the scatter's step is that
 //! of Kent, Tyler and Vardi 1994. The footprint is a mixture itself: expectations over its lobes replace sums over samples.
@@ -13,7 +13,7 @@ use pulp::Simd;
 use super::chunk::{Atom, Chunk, Fitted, Shape};
 use super::estimate::Estimate;
 use super::lanes::{Lanes, Rows, Which, scaled};
-use super::read_out::read_out;
+use super::read_out::{no_wider, read_out};
 use super::scatter::{self, Metric, RING, Seen};
 use super::seed;
 
@@ -50,14 +50,14 @@ impl<S: Simd> Part<S> {
     /// The lobe's values, then share and area.
     #[inline(always)]
     fn new([x, y, xx, xy, yy, share, area]: [Lanes<S>; VALUES]) -> Self {
-        Self { lobe: Estimate { x, y, xx, xy, yy }, share, area }
+        Self { lobe: Estimate::new([x, y, xx, xy, yy]), share, area }
     }
 
     /// The same.
     #[inline(always)]
     fn values(self) -> [Lanes<S>; VALUES] {
-        let Self { lobe: Estimate { x, y, xx, xy, yy }, share, area } = self;
-        [x, y, xx, xy, yy, share, area]
+        let [x, y, xx, xy, yy] = self.lobe.values();
+        [x, y, xx, xy, yy, self.share, self.area]
     }
 }
 
@@ -109,9 +109,9 @@ fn fit_some<S: Simd, const LOBES: usize>(simd: S, chunk: &Chunk, shape: Shape, o
             // Lobes lie anywhere: their normals are looked for from their own centres.
             read_out(&part.lobe, form, &part.lobe.direction(), part.area, first, out);
         }
-        if shape.shared_normal {
-            share_normal::<S>(first, out);
-        }
+    }
+    if shape.shared_normal {
+        share_normal(chunk.count, out);
     }
 }
 
@@ -140,6 +140,7 @@ fn move_some<S: Simd, const LOBES: usize>(atoms: &[Atom<S>], shape: Shape, parts
         |k| atoms[k].w,
         None,
     );
+    // Nodes turn with the footprint if their axes follow any lobe that does.
     let metric = Metric::new(&mut whole);
     let mut axes = Vec::with_capacity(atoms.len());
     for atom in atoms {
@@ -258,16 +259,13 @@ impl<S: Simd> Sums<S> {
         let xy = 2.0 * (xy - x * sy - y * sx + sx * sy) - own[1];
         let yy = 2.0 * (yy - 2.0 * y * sy + sy * sy) - own[2];
         // What is wider than the texels' own scatter, in any direction.
-        let (mean, half) = (0.5 * (xx + yy), 0.5 * (xx - yy));
-        let spread = (half * half + xy * xy).sqrt();
-        let (long, short) = ((mean + spread).max(0.0), (mean - spread).max(0.0));
-        let (middle, turn) = (0.5 * (long + short), 0.5 * (long - short) * spread.max(f32::MIN_POSITIVE).inverse());
+        let wider = no_wider([xx, xy, yy], xx.like(f32::INFINITY));
         Estimate {
             x: about.x + sx,
             y: about.y + sy,
-            xx: own[0] + middle + turn * half,
-            xy: own[1] + turn * xy,
-            yy: own[2] + middle - turn * half,
+            xx: own[0] + wider[0],
+            xy: own[1] + wider[1],
+            yy: own[2] + wider[2],
         }
     }
 }
@@ -287,13 +285,11 @@ fn common_shift<S: Simd>(parts: &[Part<S>], sums: &[Sums<S>]) -> [Lanes<S>; 2] {
     scaled(shift, all.inverse())
 }
 
-/// Gives all lobes their mean normal. Those of a common centre differ, by little, where they lie far from upright.
-#[inline(always)]
-fn share_normal<S: Simd>(first: usize, out: &mut [Fitted]) {
-    for i in first..first + S::F32_LANES {
-        let mean: Vec3 =
-            out.iter().map(|fitted| fitted.weight.0[0][i] * Vec3::from(fitted.normal.0.map(|row| row[i]))).sum();
-        let mean = mean.normalize().to_array();
-        out.iter_mut().for_each(|fitted| fitted.normal.0.iter_mut().zip(mean).for_each(|(row, v)| row[i] = v));
+/// Gives all lobes of each footprint their mean normal. Those of a common centre differ, by little, where they lie far from
+/// upright.
+fn share_normal(count: usize, out: &mut [Fitted]) {
+    for i in 0..count {
+        let mean: Vec3 = out.iter().map(|fitted| fitted.weight[i] * Vec3::from(fitted.normal.at(i))).sum();
+        out.iter_mut().for_each(|fitted| fitted.normal.set(i, mean.normalize().to_array()));
     }
 }

@@ -1,8 +1,9 @@
 //! Folds that search: the closest lobe, or few lobes, for the lobes of a footprint.
 //!
-//! Footprints are fitted side by side, one in each lane of a register, those of a [`Chunk`] in turn: every step is arithmetic without branches, on
-//! [`Lanes`] that fill the registers of the processor (AVX2, NEON; one by one elsewhere), which `pulp` picks. Products and sums
-//! are never contracted, so all give the same bits.
+//! Footprints are fitted side by side, one in each lane of a register, those of a [`Chunk`] in turn: steps are arithmetic
+//! without branches on [`Lanes`], for which `pulp` picks the widest registers of the processor. What only few footprints
+//! need is done for those alone, again side by side. Products and sums are never contracted: all processors give the same
+//! bits, and so do a footprint alone and one in a chunk.
 
 mod chunk;
 pub(super) mod estimate;
@@ -16,4 +17,6 @@ pub(super) mod simplex;
 
 pub use chunk::{Atom, Chunk, Fit, Fitted, Shape};
 pub(super) use chunk::{one, row};
+#[cfg(test)]
+pub use lanes::Rows;
 pub use lanes::{Lanes, Which};

@@ -129,7 +129,8 @@ pub fn closest_of_each<S: Simd>(simd: S, chunk: &Chunk, form: Form) -> Rows<5> {
         let [.., up] = chunk.normal.load(simd, which);
         let e = near(&atoms, form, up);
         found.store(which, e.values());
-        Doubts::new(&atoms, &e).whose(first, chunk.count, &mut doubtful);
+        let Doubts { unlike, apart, .. } = Doubts::new(&atoms, &e);
+        (unlike + apart).append_positive(first, chunk.count, &mut doubtful);
     }
     for some in doubtful.chunks(S::F32_LANES) {
         let which = Which::These(some);
@@ -185,17 +186,6 @@ impl<S: Simd> Doubts<S> {
         }
         Self { unlike, apart: (APART * all).above(covered, all, zero), covered, all }
     }
-
-    /// Appends the footprints that have one, of those from `first` to below `end`.
-    #[inline(always)]
-    fn whose(&self, first: usize, end: usize, out: &mut Vec<usize>) {
-        let any = (self.unlike + self.apart).row();
-        for i in 0..S::F32_LANES.min(end - first) {
-            if any[i] > 0.0 {
-                out.push(first + i);
-            }
-        }
-    }
 }
 
 /// The lobe to take, given the one near the closest.
@@ -231,8 +221,7 @@ fn settled<S: Simd>(atoms: &[Atom<S>], form: Form, up: Lanes<S>, mut first: Esti
     }
     let (mut typical, mut best) = (first, zero);
     for a in atoms {
-        let [xx, xy, yy] = a.scatter();
-        Estimate { x: a.x, y: a.y, xx, xy, yy }.replace_if_better(atoms, 1.0, &mut typical, &mut best);
+        a.estimate().replace_if_better(atoms, 1.0, &mut typical, &mut best);
     }
     for _ in 0..2 * STEPS {
         step::<S, true>(atoms, form, up, &mut typical);
@@ -283,7 +272,7 @@ pub fn start<S: Simd>(
 ) -> Estimate<S> {
     let zero = atoms[0].w.like(0.0);
     let mut all = zero;
-    let mut e = Estimate { x: zero, y: zero, xx: zero, xy: zero, yy: zero };
+    let mut e = Estimate::nothing(zero);
     for (k, a) in atoms.iter().enumerate() {
         let w = weight(k);
         all += w;

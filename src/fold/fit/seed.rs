@@ -40,12 +40,7 @@ pub(super) fn doubtful<S: Simd, const LOBES: usize>(
     end: usize,
     out: &mut Vec<usize>,
 ) {
-    let left = (APART * scatter::weight(atoms) - covered(atoms, parts)).row();
-    for i in 0..S::F32_LANES.min(end - first) {
-        if left[i] > 0.0 {
-            out.push(first + i);
-        }
-    }
+    (APART * scatter::weight(atoms) - covered(atoms, parts)).append_positive(first, end, out);
 }
 
 /// Takes the parts that are found by peeling where they cover more.
@@ -182,8 +177,7 @@ fn lobes<S: Simd, const LOBES: usize>(
     shared: Option<&Estimate<S>>,
 ) -> [Part<S>; LOBES] {
     let (zero, one) = (atoms[0].w.like(0.0), atoms[0].w.like(1.0));
-    let nowhere = Estimate { x: zero, y: zero, xx: zero, xy: zero, yy: zero };
-    let mut parts = [Part { lobe: nowhere, share: zero, area: zero }; LOBES];
+    let mut parts = [Part { lobe: Estimate::nothing(zero), share: zero, area: zero }; LOBES];
     let mut all = zero.like(f32::MIN_POSITIVE);
     let mut all_area = all;
     for (part, members) in parts.iter_mut().zip(members) {
