@@ -138,9 +138,6 @@ fn cut_and_merge(entries: &mut Vec<Entry>, most: usize, scratch: &mut Scratch) {
     std::mem::swap(entries, merged);
 }
 
-/// Share of the sum of squares before a cut below which those after it are rounding, or near it.
-const NOISE: f32 = 1e-4;
-
 /// How much of a round shape is mixed with that of the whole. Without, a long tail makes what lies in it near; with much, lobes
 /// across a long whole are merged.
 const ROUND: f32 = 0.2;
@@ -233,6 +230,9 @@ impl Sums {
 
 /// Cuts a cell at its mean: what lies below comes first. None if nothing lies on one side. `beyond` is scratch.
 ///
+/// A group that is tight beside its distance from this mean knows its own extent only to rounding, and its first cut may lie in
+/// any direction; its parts are cut about a mean of their own.
+///
 /// Without branches, which would be mispredicted half the time: every entry is written to both sides, and one of them moves on.
 #[inline(always)]
 fn cut(placed: &mut [Placed], beyond: &mut [Placed], cell: &Cell) -> Option<[Cell; 2]> {
@@ -258,12 +258,5 @@ fn cut(placed: &mut [Placed], beyond: &mut [Placed], cell: &Cell) -> Option<[Cel
     if count == 0 || rest == 0 {
         return None;
     }
-    let mut cells = [below.cell(start, middle, mean), above.cell(middle, end, mean)];
-    for c in &mut cells {
-        // Of what is far from this mean beside its own extent, differences of sums tell nothing.
-        if c.cost < NOISE * cell.cost && c.end > c.start + 1 {
-            *c = Sums::of(&placed[c.start..c.end], c.mean).cell(c.start, c.end, c.mean);
-        }
-    }
-    Some(cells)
+    Some([below.cell(start, middle, mean), above.cell(middle, end, mean)])
 }
