@@ -61,10 +61,10 @@ mod tests {
         let mut footprint = |i: usize| {
             let entries: Vec<Entry> = (0..9)
                 .map(|k| {
-                    let reach = if i % 3 == 0 { 0.6 } else { 0.1 };
-                    let alpha = if i % 5 == 0 && k < 4 { 0.002 } else { uniform(0.05, 0.4) };
+                    let reach = if i.is_multiple_of(3) { 0.6 } else { 0.1 };
+                    let alpha = if i.is_multiple_of(5) && k < 4 { 0.002 } else { uniform(0.05, 0.4) };
                     let normal = Vec3::new(uniform(-reach, reach), uniform(-reach, reach), 1.0).normalize();
-                    let weight = if i % 7 == 0 && k > 0 { 0.0 } else { uniform(0.5, 1.0) };
+                    let weight = if i.is_multiple_of(7) && k > 0 { 0.0 } else { uniform(0.5, 1.0) };
                     Entry { weight, lobe: SlopeLobe::new(&Lobe::isotropic(normal, Alpha(alpha))) }
                 })
                 .collect();
