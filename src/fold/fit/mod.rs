@@ -15,7 +15,7 @@ pub(super) mod scatter;
 mod seed;
 pub(super) mod simplex;
 
-pub use chunk::{Atom, Chunk, Fit, Fitted, Shape};
+pub use chunk::{Chunk, Fit, Fitted, Shape};
 pub(super) use chunk::{one, row};
 #[cfg(test)]
 pub use lanes::Rows;

@@ -12,11 +12,12 @@
 
 use std::f32::consts::FRAC_1_SQRT_2;
 
+use pulp::Simd;
+
 use super::chunk::{Atom, Chunk};
 use super::estimate::Estimate;
 use super::lanes::{Lanes, Rows, Which};
 use crate::ndf::Form;
-use pulp::Simd;
 
 /// Squared radii of the rings: `u / (1 - u)` at `u = 1/2 -+ 1/(2 sqrt 3)`, so `2 -+ sqrt 3`.
 const RING2: [f32; 2] = [0.267_949_2, 3.732_051];
