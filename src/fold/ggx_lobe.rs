@@ -2,19 +2,19 @@
 
 use glam::Vec3;
 
-use super::fit::lobe_error::{Candidate, LobeError};
+use super::fit::lobe_error::{Candidate, LobeError, Others};
 use super::fit::simplex::{Stop, minimise};
 use super::fit::{Chunk, Fitted, Shape};
 use super::{Fold, Method, ggx};
 use crate::ndf::{Form, Frame, RoughnessTensor};
 use crate::summary::Entry;
 
-/// The GGX lobe of least lobe error: that of `ggx`, moved until it looks most like the footprint.
+/// The GGX lobe, or few lobes, of least lobe error: those of `ggx`, moved until they look most like the footprint.
 pub const FOLD: Fold = Fold {
     name: "ggx-lobe",
     cite: "Nelder & Mead 1965",
-    about: "the GGX lobe that looks most alike: `ggx`, then a search",
-    method: Method::Lobes { most: MOST, mixtures: false, slow: true, fit },
+    about: "the GGX lobes that look most alike: `ggx`, then a search",
+    method: Method::Lobes { most: MOST, mixtures: true, slow: true, fit },
 };
 
 /// Lobes of a summary: twice as many a side as for `ggx`.
@@ -41,12 +41,26 @@ const LEAST: f32 = 1e-12;
 /// Least z of a normal.
 const LOWEST: f32 = 1e-3;
 
+/// Rounds through the lobes of a mixture.
+const ROUNDS: usize = 2;
+
+/// Share below which a lobe of a mixture stays as it is.
+const LEAST_SHARE: f32 = 1e-3;
+
 fn fit(chunk: &Chunk, shape: Shape, out: &mut [Fitted]) {
     ggx::fit(chunk, shape, out);
-    // One lobe: of mixtures, all of a footprint's lobes would be refined together here.
     for i in 0..chunk.count {
-        let start = lane(&out[0], i);
-        put(&mut out[0], i, refine(chunk.footprint(i), shape.form, start));
+        if let [out] = out {
+            let start = lane(out, i);
+            put(out, i, refine(chunk.footprint(i), shape.form, start));
+        } else {
+            let mut lobes: Vec<_> = out.iter().map(|out| (out.weight[i], lane(out, i))).collect();
+            refine_several(chunk.footprint(i), shape, &mut lobes);
+            for (out, (share, lobe)) in out.iter_mut().zip(lobes) {
+                out.weight[i] = share;
+                put(out, i, lobe);
+            }
+        }
     }
 }
 
@@ -68,7 +82,7 @@ fn refine(footprint: impl Iterator<Item = Entry> + Clone, form: Form, start: Can
         return start;
     }
     let guess = (start.0, in_form(form, start.1));
-    let error = LobeError::new(footprint.clone(), guess);
+    let error = LobeError::new(footprint.clone(), &[(1.0, guess)]);
     let first = error.of(guess);
     if first.is_nan() || first <= NOTHING {
         return start;
@@ -79,7 +93,7 @@ fn refine(footprint: impl Iterator<Item = Entry> + Clone, form: Form, start: Can
         let own = error.lobes().map(|(n, r)| (n, in_form(form, r)));
         if let Some(guess) = own.min_by(|a, b| error.of(*a).total_cmp(&error.of(*b))) {
             // By half vectors that fall there.
-            let near = LobeError::new(footprint.clone(), guess);
+            let near = LobeError::new(footprint.clone(), &[(1.0, guess)]);
             let first = near.of(guess);
             let (other, value) = search(&near, first, form, guess).unwrap_or((guess, first));
             let so_far = found.map_or(start, |(lobe, _)| lobe);
@@ -91,6 +105,75 @@ fn refine(footprint: impl Iterator<Item = Entry> + Clone, form: Form, start: Can
         }
     }
     found.map_or(start, |(lobe, _)| lobe)
+}
+
+/// Moves the lobes of a mixture in turn, each with its share, while the others stay as they are.
+fn refine_several(footprint: impl Iterator<Item = Entry>, shape: Shape, lobes: &mut [(f32, Candidate)]) {
+    let start: Vec<_> = lobes.iter().map(|&(share, (n, r))| (share, (n, in_form(shape.form, r)))).collect();
+    let error = LobeError::new(footprint, &start);
+    let mut least = f32::INFINITY;
+    let count = lobes.len();
+    for j in (0..ROUNDS).flat_map(|_| 0..count) {
+        let (share, (n, r)) = lobes[j];
+        // A lobe alone is as good as one lobe can be.
+        if !(LEAST_SHARE..1.0 - LEAST_SHARE).contains(&share) {
+            continue;
+        }
+        let from = (n, in_form(shape.form, r));
+        let beside: Vec<_> = (0..count).filter(|other| *other != j).map(|other| lobes[other]).collect();
+        let others = error.others(&beside);
+        least = error.of_share(share, from, &others).min(least);
+        if least.is_nan() || least <= NOTHING {
+            return;
+        }
+        let Some((new_share, lobe, value)) = search_share(&error, &others, least, shape, share, from) else { continue };
+        least = value;
+        lobes.iter_mut().for_each(|(other, _)| *other *= (1.0 - new_share) / (1.0 - share));
+        lobes[j] = (new_share, lobe);
+    }
+}
+
+/// A noticeably better lobe with its share, and the error of the mixture, whose error is `first`.
+fn search_share(
+    error: &LobeError,
+    others: &Others,
+    first: f32,
+    shape: Shape,
+    share: f32,
+    from: Candidate,
+) -> Option<(f32, Candidate, f32)> {
+    let odds = share / (1.0 - share);
+    let moved = |x: f32, y: f32, widths: [f32; 3], more: f32| {
+        let odds = odds * more.exp();
+        (odds / (1.0 + odds), moved(from, x, y, widths))
+    };
+    let value = |(share, lobe): (f32, Candidate)| error.of_share(share, lobe, others);
+    let stop = |parameters: usize| Stop { spread: SPREAD * first, steps: 60 * parameters };
+    // Lobes that share a normal keep it.
+    let ((share, lobe), least) = match (shape.form, shape.shared_normal) {
+        (Form::Isotropic, false) => {
+            let at = |&[x, y, width, more]: &[f32; 4]| moved(x, y, [width, 0.0, width], more);
+            let (best, least) = minimise(first, REACH, stop(4), |x| value(at(x)));
+            (at(&best), least)
+        }
+        (Form::Isotropic, true) => {
+            let at = |&[width, more]: &[f32; 2]| moved(0.0, 0.0, [width, 0.0, width], more);
+            let (best, least) = minimise(first, REACH, stop(2), |x| value(at(x)));
+            (at(&best), least)
+        }
+        (Form::Anisotropic, false) => {
+            let at = |&[x, y, along, skew, across, more]: &[f32; 6]| moved(x, y, [along, skew, across], more);
+            let (best, least) = minimise(first, REACH, stop(6), |x| value(at(x)));
+            (at(&best), least)
+        }
+        (Form::Anisotropic, true) => {
+            let at = |&[along, skew, across, more]: &[f32; 4]| moved(0.0, 0.0, [along, skew, across], more);
+            let (best, least) = minimise(first, REACH, stop(4), |x| value(at(x)));
+            (at(&best), least)
+        }
+    };
+    let better = least < (1.0 - NOTICEABLE) * first && share.is_finite();
+    (better && is_usable(lobe)).then_some((share, lobe, least))
 }
 
 /// A tensor as a search takes it.
@@ -115,9 +198,11 @@ fn search(error: &LobeError, first: f32, form: Form, from: Candidate) -> Option<
             (lobe(&best), value)
         }
     };
-    let (n, r) = lobe;
-    let usable = n.is_finite() && r.xx.is_finite() && r.xy.is_finite() && r.yy.is_finite();
-    (value < (1.0 - NOTICEABLE) * first && usable).then_some((lobe, value))
+    (value < (1.0 - NOTICEABLE) * first && is_usable(lobe)).then_some((lobe, value))
+}
+
+fn is_usable((n, r): Candidate) -> bool {
+    n.is_finite() && r.xx.is_finite() && r.xy.is_finite() && r.yy.is_finite()
 }
 
 /// A lobe moved by `x` and `y` of its widths, its factor L multiplied by one with the logarithms of widths on its diagonal.

@@ -3,35 +3,18 @@
 
 use glam::{Vec2, Vec3};
 
-use super::{Fold, Method, MomentFold, rows::unit};
+use super::{Fold, Method, rows::tensor_fold, rows::unit};
 use crate::moments::{Moments, Needs};
 use crate::ndf::RoughnessTensor;
 
 /// Mean and covariance of the slopes; the lobe is `base + 2 covariance` about the mean slope's normal, the
 /// covariance carried into that normal's tangent plane. Normals steeper than 78.5 degrees count as that steep
 /// ([`crate::moments::STEEPEST_Z`]), so a texture that is steeper everywhere is flattened to it.
-#[expect(clippy::redundant_closure, reason = "a named function is not always inlined into the rows' loops")]
 pub const FOLD: Fold = Fold {
     name: "lean",
     cite: "Olano & Baker 2010; Dupuy et al. 2013",
     about: "slope moments, alpha^2 + 2 covariance",
-    method: Method::Moments(MomentFold {
-        needs: Needs::SLOPE_COV.and(Needs::TENSOR),
-        isotropic: |row, out| {
-            row.isotropic_part(
-                out,
-                #[inline(always)]
-                |m| lobe(m),
-            )
-        },
-        anisotropic: Some(|row, out| {
-            row.anisotropic(
-                out,
-                #[inline(always)]
-                |m| lobe(m),
-            )
-        }),
-    }),
+    method: Method::Moments(tensor_fold!(Needs::SLOPE_COV.and(Needs::TENSOR), lobe)),
 };
 
 /// The normal of a slope.

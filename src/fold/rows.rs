@@ -89,6 +89,31 @@ impl<'a> MomentRow<'a> {
     }
 }
 
+/// A [`MomentFold`](super::MomentFold) by one formula for tensors: two widths, or the mean of their squares. A macro, for a
+/// function that is handed on is not always inlined into the rows' loops.
+macro_rules! tensor_fold {
+    ($needs:expr, $lobe:ident) => {
+        $crate::fold::MomentFold {
+            needs: $needs,
+            isotropic: |row, out| {
+                row.isotropic_part(
+                    out,
+                    #[inline(always)]
+                    |m| $lobe(m),
+                )
+            },
+            anisotropic: Some(|row, out| {
+                row.anisotropic(
+                    out,
+                    #[inline(always)]
+                    |m| $lobe(m),
+                )
+            }),
+        }
+    };
+}
+pub(super) use tensor_fold;
+
 /// A fold on a single footprint.
 pub(super) fn one(fold: fn(&MomentRow, &mut LobeRow), moments: &Moments) -> Lobe {
     let planes = std::array::from_fn(|p| &moments.values[p..=p]);

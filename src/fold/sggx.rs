@@ -2,34 +2,17 @@
 
 use glam::Vec3;
 
-use super::{Fold, Method, MomentFold, rows::unit};
+use super::{Fold, Method, rows::tensor_fold, rows::unit};
 use crate::moments::{Moments, Needs, tangential};
 use crate::ndf::RoughnessTensor;
 
 /// The mean of the lobes' ellipsoid matrices `S = n n^T + T R T^t`, cut by the tangent plane of the mean normal.
 /// Linear in the squared projected area, though not in D: to first order it adds half of what LEAN adds.
-#[expect(clippy::redundant_closure, reason = "a named function is not always inlined into the rows' loops")]
 pub const FOLD: Fold = Fold {
     name: "sggx",
     cite: "Heitz et al. 2015",
     about: "average of ellipsoid matrices",
-    method: Method::Moments(MomentFold {
-        needs: Needs::NORMAL_COV.and(Needs::FORM).and(Needs::TENSOR),
-        isotropic: |row, out| {
-            row.isotropic_part(
-                out,
-                #[inline(always)]
-                |m| lobe(m),
-            )
-        },
-        anisotropic: Some(|row, out| {
-            row.anisotropic(
-                out,
-                #[inline(always)]
-                |m| lobe(m),
-            )
-        }),
-    }),
+    method: Method::Moments(tensor_fold!(Needs::NORMAL_COV.and(Needs::FORM).and(Needs::TENSOR), lobe)),
 };
 
 #[inline(always)]

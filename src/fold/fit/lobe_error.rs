@@ -3,8 +3,8 @@
 //! It is the judge's figure ([`crate::compare`]): over lights above the surface and the judge's views, the integral of
 //! `|f - f_ref|` over half of that of `f + f_ref`. f is the specular BRDF of a lobe times the cosine, GGX with
 //! height-correlated Smith and F = 1, and f_ref its mean over the footprint. The integral is a mean over half vectors at
-//! fixed places of low discrepancy: half of them drawn from the footprint, half from a first guess, weighted together by how
-//! densely both fall (Veach & Guibas 1995, balance heuristic).
+//! fixed places of low discrepancy: half of them drawn from the footprint, half from a first guess, of one lobe or several,
+//! weighted together by how densely both fall (Veach & Guibas 1995, balance heuristic).
 
 use std::cmp::Ordering;
 use std::f32::consts::PI;
@@ -110,8 +110,8 @@ pub struct LobeError {
 }
 
 impl LobeError {
-    /// Of a footprint; `guess` is a lobe near the ones that will be asked for.
-    pub fn new(footprint: impl Iterator<Item = Entry>, guess: Candidate) -> Self {
+    /// Of a footprint; `guess` are lobes near the ones that will be asked for, with shares that sum to 1.
+    pub fn new(footprint: impl Iterator<Item = Entry>, guess: &[(f32, Candidate)]) -> Self {
         // In an order of their own, so that neither theirs nor copies change what is drawn.
         let mut entries: Vec<Entry> = footprint.filter(|e| e.weight > 0.0).collect();
         let places = |Entry { lobe, .. }: &Entry| [lobe.centre.x, lobe.centre.y, lobe.scatter.xx];
@@ -125,26 +125,15 @@ impl LobeError {
             lobes.push((weight, (normal, tensor.clamped(NARROWEST, 1.0))));
             total += weight;
         }
-        let mut upto = 0.0;
-        let ends: Vec<f32> = lobes
-            .iter_mut()
-            .map(|(weight, _)| {
-                *weight /= total;
-                upto += *weight;
-                upto
-            })
-            .collect();
-        let shaded: Vec<(f32, Shaded)> = lobes.iter().map(|&(weight, lobe)| (weight, Shaded::new(lobe))).collect();
-        let guess = Shaded::new(guess);
+        lobes.iter_mut().for_each(|(weight, _)| *weight /= total);
+        let [own, guess] = [&lobes[..], guess].map(Drawn::new);
         let seen: Vec<Seen> = (0..VIEWS.len())
             .map(|view| {
                 let half: [Vec3; HALVES] = std::array::from_fn(|i| {
                     let place = PLACES[view][i];
-                    let chosen = ends.partition_point(|end| *end <= place.lobe).min(shaded.len().max(1) - 1);
-                    let from = if i < SHARED { shaded.get(chosen).map_or(&guess, |(_, lobe)| lobe) } else { &guess };
-                    from.draw(place)
+                    if i < SHARED { own.draw(place) } else { None }.or_else(|| guess.draw(place)).unwrap_or(Vec3::Z)
                 });
-                Seen::new(direction(VIEWS[view]), &half, &shaded, &guess)
+                Seen::new(direction(VIEWS[view]), &half, &own.lobes, &guess.lobes)
             })
             .collect();
         let reflected = seen.iter().map(|seen| seen.reference.iter().sum::<f32>()).sum();
@@ -158,7 +147,70 @@ impl LobeError {
 
     /// The lobe error of a lobe, 0 to 2.
     pub fn of(&self, lobe: Candidate) -> f32 {
-        pulp::Arch::new().dispatch(Apart { from: self, lobe: Shaded::new(lobe) })
+        pulp::Arch::new().dispatch(Apart { from: self, lobe: Shaded::new(lobe), beside: None })
+    }
+
+    /// That of a lobe with a share, and others.
+    pub fn of_share(&self, share: f32, lobe: Candidate, others: &Others) -> f32 {
+        pulp::Arch::new().dispatch(Apart { from: self, lobe: Shaded::new(lobe), beside: Some((share, others)) })
+    }
+
+    /// Lobes that will stay as they are beside one that moves, with their shares among each other, of any sum.
+    pub fn others(&self, lobes: &[(f32, Candidate)]) -> Others {
+        let total: f32 = lobes.iter().map(|(share, _)| share).sum();
+        let shaded: Vec<_> = lobes.iter().map(|&(share, lobe)| (share / total, Shaded::new(lobe))).collect();
+        Others(self.seen.iter().map(|seen| pulp::Arch::new().dispatch(Together { seen, lobes: &shaded })).collect())
+    }
+}
+
+/// What some lobes reflect together, from each view.
+pub struct Others(Vec<Row>);
+
+/// Lobes to draw from.
+struct Drawn {
+    lobes: Vec<(f32, Shaded)>,
+    /// Sums of shares.
+    ends: Vec<f32>,
+}
+
+impl Drawn {
+    fn new(lobes: &[(f32, Candidate)]) -> Self {
+        let lobes: Vec<_> = lobes.iter().map(|&(share, lobe)| (share, Shaded::new(lobe))).collect();
+        let mut upto = 0.0;
+        let mut end = |(share, _): &(f32, Shaded)| {
+            upto += share;
+            upto
+        };
+        let ends = lobes.iter().map(&mut end).collect();
+        Self { lobes, ends }
+    }
+
+    /// Nothing, if there are none.
+    fn draw(&self, place: Place) -> Option<Vec3> {
+        let chosen = self.ends.partition_point(|end| *end <= place.lobe);
+        self.lobes.get(chosen).or(self.lobes.last()).map(|(_, lobe)| lobe.draw(place))
+    }
+}
+
+/// [`LobeError::others`] for one view.
+struct Together<'a> {
+    seen: &'a Seen,
+    lobes: &'a [(f32, Shaded)],
+}
+
+impl pulp::WithSimd for Together<'_> {
+    type Output = Row;
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) -> Row {
+        let (mut f, mut all) = ([0.0; HALVES], [0.0; HALVES]);
+        for (share, lobe) in self.lobes {
+            self.seen.reflect(lobe, &mut f, None);
+            for j in 0..HALVES {
+                all[j] += share * f[j] * self.seen.share[j];
+            }
+        }
+        all
     }
 }
 
@@ -166,6 +218,8 @@ impl LobeError {
 struct Apart<'a> {
     from: &'a LobeError,
     lobe: Shaded,
+    /// Its share, and the others.
+    beside: Option<(f32, &'a Others)>,
 }
 
 impl pulp::WithSimd for Apart<'_> {
@@ -174,11 +228,18 @@ impl pulp::WithSimd for Apart<'_> {
     #[inline(always)]
     fn with_simd<S: pulp::Simd>(self, _: S) -> f32 {
         let (mut apart, mut own) = (0.0, 0.0);
-        for seen in &self.from.seen {
+        for (view, seen) in self.from.seen.iter().enumerate() {
             let (mut f, mut off) = ([0.0; HALVES], [0.0; HALVES]);
             seen.reflect(&self.lobe, &mut f, None);
             for j in 0..HALVES {
                 f[j] *= seen.share[j];
+            }
+            if let Some((share, Others(rows))) = self.beside {
+                for j in 0..HALVES {
+                    f[j] = share * f[j] + (1.0 - share) * rows[view][j];
+                }
+            }
+            for j in 0..HALVES {
                 off[j] = (f[j] - seen.reference[j]).abs();
             }
             apart += sum(&off);
@@ -192,7 +253,7 @@ impl pulp::WithSimd for Apart<'_> {
 struct Reference<'a> {
     seen: &'a mut Seen,
     lobes: &'a [(f32, Shaded)],
-    guess: &'a Shaded,
+    guess: &'a [(f32, Shaded)],
 }
 
 impl pulp::WithSimd for Reference<'_> {
@@ -203,7 +264,12 @@ impl pulp::WithSimd for Reference<'_> {
         let Self { seen, lobes, guess } = self;
         let (mut f, mut pdf) = ([0.0; HALVES], [0.0; HALVES]);
         let (mut mean, mut density) = ([0.0; HALVES], [0.0; HALVES]);
-        seen.reflect(guess, &mut f, Some(&mut density));
+        for (share, lobe) in guess {
+            seen.reflect(lobe, &mut f, Some(&mut pdf));
+            for j in 0..HALVES {
+                density[j] += share * pdf[j];
+            }
+        }
         for (weight, lobe) in lobes {
             seen.reflect(lobe, &mut f, Some(&mut pdf));
             for j in 0..HALVES {
@@ -238,7 +304,7 @@ fn sum(row: &Row) -> f32 {
 }
 
 impl Seen {
-    fn new(view: Vec3, half: &[Vec3; HALVES], lobes: &[(f32, Shaded)], guess: &Shaded) -> Self {
+    fn new(view: Vec3, half: &[Vec3; HALVES], lobes: &[(f32, Shaded)], guess: &[(f32, Shaded)]) -> Self {
         let light = half.map(|m| 2.0 * view.dot(m) * m - view);
         let planes = |v: &[Vec3; HALVES]| [0, 1, 2].map(|i| v.map(|v| v[i]));
         let zero = [0.0; HALVES];
@@ -278,82 +344,4 @@ impl Seen {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::ndf::{Lobe, SlopeLobe};
-    use crate::reference::{Diffuse, Footprint, Queries};
-    use crate::roughness::Alpha;
-
-    /// A lobe, by slopes and widths.
-    fn lobe(x: f32, y: f32, [xx, xy, yy]: [f32; 3]) -> Candidate {
-        (Vec3::new(-x, -y, 1.0).normalize(), RoughnessTensor { xx, xy, yy })
-    }
-
-    fn bent((normal, tensor): Candidate) -> Lobe {
-        Lobe { normal, roughness: tensor.to_bent(normal) }
-    }
-
-    /// The judge's integrals by many half vectors, in f64.
-    fn exact(footprint: &[Lobe], other: Lobe) -> f64 {
-        let truth = Footprint::of_lobes(&footprint.iter().map(|lobe| (*lobe, 1.0)).collect::<Vec<_>>());
-        let other = Footprint::of_lobes(&[(other, 1.0)]);
-        let (mut queries, mut spread) = (Queries::default(), Spread::new(&mut Random::new(7, 0)));
-        for view in VIEWS {
-            queries.start_view(direction(view).as_dvec3().normalize());
-            for i in 0..40_000 {
-                queries.push_half(if i % 2 == 0 { &truth } else { &other }.draw(spread.point()));
-            }
-        }
-        let [a, b] = [&truth, &other].map(|f| f.means(&queries, &Diffuse::default()).swap_remove(0));
-        let (mut apart, mut both) = (0.0, 0.0);
-        for (view, range) in queries.views().zip(queries.ranges()) {
-            for j in range {
-                let share = view.dot(queries.half(j)).max(0.0) / (a.pdf[j] + b.pdf[j]);
-                apart += share * (a.specular[j] - b.specular[j]).abs();
-                both += share * 0.5 * (a.specular[j] + b.specular[j]);
-            }
-        }
-        apart / both
-    }
-
-    #[test]
-    fn few_half_vectors_tell_what_many_in_f64_do() {
-        let footprint = [
-            lobe(0.3, -0.1, [0.02, 0.005, 0.01]),
-            lobe(-0.2, 0.2, [0.04, 0.0, 0.04]),
-            lobe(0.1, 0.6, [0.01, 0.0, 0.01]),
-        ];
-        let entries = footprint.map(|lobe| Entry { weight: 1.0, lobe: SlopeLobe::new(&bent(lobe)) });
-        let guess = lobe(0.05, 0.2, [0.08, 0.0, 0.12]);
-        let error = LobeError::new(entries.into_iter(), guess);
-        for other in [guess, lobe(0.1, 0.1, [0.05, 0.02, 0.2]), lobe(0.3, -0.1, [0.02, 0.005, 0.01])] {
-            let (found, expected) = (error.of(other), exact(&footprint.map(bent), bent(other)));
-            assert!((f64::from(found) / expected - 1.0).abs() < 0.05, "{found} {expected}");
-        }
-    }
-
-    #[test]
-    fn steep_mirrors_have_one() {
-        for z in [1e-2f32, 1e-3, 1e-4] {
-            let steep = |x: f32, y: f32| {
-                let lobe = Lobe::isotropic(Vec3::new(x, y, z).normalize(), Alpha(1e-6));
-                Entry { weight: 1.0, lobe: SlopeLobe::new(&lobe) }
-            };
-            let footprint = [steep(1.0, 1.0), steep(-0.3, 1.0), steep(1.0, -0.9)];
-            let guess = lobe(0.1, 0.2, [0.5, 0.0, 0.5]);
-            let error = LobeError::new(footprint.into_iter(), guess).of(guess);
-            assert!((0.0..=2.0).contains(&error), "{z}: {error}");
-        }
-    }
-
-    #[test]
-    fn a_single_lobe_has_no_error() {
-        // Down to widths at which a light is mirrored to a point.
-        for alpha in [0.9f32, 0.1, 0.01, 0.001] {
-            let own = lobe(0.4, -0.3, [alpha * alpha, 0.0, 0.25 * alpha * alpha]);
-            let entry = Entry { weight: 3.0, lobe: SlopeLobe::new(&bent(own)) };
-            let error = LobeError::new(std::iter::once(entry), own).of(own);
-            assert!(error < 2e-3, "{alpha}: {error}");
-        }
-    }
-}
+mod tests;

@@ -1,11 +1,9 @@
-//! A few GGX lobes together: those of the footprint's parts, two of them moved by expectation maximisation over nodes as those
-//! of a single lobe, where they then still cover the footprint.
+//! A few GGX lobes together: those of the footprint's parts, moved by expectation maximisation over nodes as those of a
+//! single lobe, where they then miss less of the footprint.
 //!
 //! Based on: D. Peel, G. J. McLachlan, "Robust Mixture Modelling Using the t Distribution", 2000; the scatter's step is that
 //! of Kent, Tyler and Vardi 1994. The footprint is a mixture itself: expectations over its lobes replace sums over samples.
 //! No step makes a lobe narrower than the mean of the texels that it stands for: a few nodes in place of a lobe would.
-
-use std::f32::consts::FRAC_1_SQRT_2;
 
 use glam::Vec3;
 use pulp::Simd;
@@ -13,21 +11,23 @@ use pulp::Simd;
 use super::chunk::{Atom, Chunk, Fitted, Shape};
 use super::estimate::Estimate;
 use super::lanes::{Lanes, Rows, Which, scaled};
+use super::nodes::{self, Nodes};
 use super::read_out::{no_wider, read_out};
-use super::scatter::{self, Metric, RING, Seen};
+use super::scatter::{self, Metric};
 use super::seed;
 
-/// Places of the nodes of a lobe along its two axes.
-const NODES: [[f32; 2]; 8] = {
-    let (r1, r2) = (RING[0], RING[1] * FRAC_1_SQRT_2);
-    [[r1, 0.0], [-r1, 0.0], [0.0, r1], [0.0, -r1], [r2, r2], [-r2, -r2], [r2, -r2], [-r2, r2]]
-};
-
-/// Steps of two lobes.
+/// Steps; they lead to the least divergence, and after more of them away from the least lobe error.
 const STEPS: usize = 3;
 
-/// How much more may be left uncovered after the steps, as a share of what was: beyond, they lead away from the parts.
-const LOSS: f32 = 0.1;
+/// How many times more one way to cut must miss for another to replace it: where both are about as good, neighbours are cut
+/// alike. The closer to 1, the closer mixtures lie, and the more they change from texel to texel.
+const NOTICEABLE: f32 = 1.15;
+
+/// So many lobes of the footprint to each of the mixture leave nothing to move.
+const FEW: usize = 2;
+
+/// Share of the footprint that parts miss, from which they are looked for in another way.
+const DOUBT: f32 = 0.25;
 
 /// Least share of a lobe: below it stays as it is.
 const LEAST_SHARE: f32 = 1e-6;
@@ -75,16 +75,27 @@ pub fn fit<S: Simd>(simd: S, chunk: &Chunk, shape: Shape, out: &mut [Fitted]) {
 fn fit_some<S: Simd, const LOBES: usize>(simd: S, chunk: &Chunk, shape: Shape, out: &mut [Fitted]) {
     let form = shape.form;
     let shared = if shape.shared_normal { Some(scatter::closest_of_each(simd, chunk, form)) } else { None };
-    let (mut found, mut atoms, mut doubtful) = ([Rows::default(); LOBES], Vec::new(), Vec::new());
+    let (mut found, mut atoms, mut nodes) = ([Rows::default(); LOBES], Vec::new(), Nodes::new());
+    let mut doubtful = Vec::new();
     for first in (0..chunk.count).step_by(S::F32_LANES) {
         let which = Which::From(first);
         chunk.atoms(simd, which, &mut atoms);
+        nodes.fill(&atoms);
         let parts: [Part<S>; LOBES] = match &shared {
-            Some(shared) => seed::cut(&atoms, form, Some(&Estimate::new(shared.load(simd, which)))),
+            Some(shared) => {
+                let shared = Estimate::new(shared.load(simd, which));
+                moved(&atoms, &nodes, shape, seed::cut_by_reach(&atoms, form, &shared))
+            }
             None => {
-                let parts = seed::cut(&atoms, form, None);
-                seed::doubtful(&atoms, &parts, first, chunk.count, &mut doubtful);
-                parts
+                let mut best = Best::new(&nodes, seed::cut(&atoms, form));
+                if atoms.len() > LOBES {
+                    best.or(&nodes, seed::cluster(&atoms, form));
+                }
+                if atoms.len() > FEW * LOBES {
+                    best.or(&nodes, moved(&atoms, &nodes, shape, best.parts));
+                }
+                (best.missed + -DOUBT).append_positive(first, chunk.count, &mut doubtful);
+                best.parts
             }
         };
         store(&mut found, which, &parts);
@@ -92,19 +103,18 @@ fn fit_some<S: Simd, const LOBES: usize>(simd: S, chunk: &Chunk, shape: Shape, o
     for some in doubtful.chunks(S::F32_LANES) {
         let which = Which::These(some);
         chunk.atoms(simd, which, &mut atoms);
+        nodes.fill(&atoms);
         let [.., up] = chunk.normal.load(simd, which);
-        let mut parts = load(simd, &found, which);
-        seed::peel_if_better(&atoms, form, up, &mut parts);
-        store(&mut found, which, &parts);
+        let peeled = seed::peel::<S, LOBES>(&atoms, form, up);
+        let mut best = Best::new(&nodes, load(simd, &found, which));
+        best.or(&nodes, peeled);
+        if atoms.len() > FEW * LOBES {
+            best.or(&nodes, moved(&atoms, &nodes, shape, peeled));
+        }
+        store(&mut found, which, &best.parts);
     }
     for first in (0..chunk.count).step_by(S::F32_LANES) {
-        let which = Which::From(first);
-        let mut parts: [Part<S>; LOBES] = load(simd, &found, which);
-        // Steps lead to the least divergence, away from the least lobe error: two lobes gain by a few, more lobes by none.
-        if LOBES == 2 {
-            chunk.atoms(simd, which, &mut atoms);
-            move_some(&atoms, shape, &mut parts);
-        }
+        let parts: [Part<S>; LOBES] = load(simd, &found, Which::From(first));
         for (part, out) in parts.iter().zip(out.iter_mut()) {
             // Lobes lie anywhere: their normals are looked for from their own centres.
             read_out(&part.lobe, form, &part.lobe.direction(), part.area, first, out);
@@ -112,6 +122,32 @@ fn fit_some<S: Simd, const LOBES: usize>(simd: S, chunk: &Chunk, shape: Shape, o
     }
     if shape.shared_normal {
         share_normal(chunk.count, out);
+    }
+}
+
+/// Of several ways to cut footprints in parts, the first that misses hardly more than any other.
+struct Best<S: Simd, const LOBES: usize> {
+    parts: [Part<S>; LOBES],
+    missed: Lanes<S>,
+}
+
+impl<S: Simd, const LOBES: usize> Best<S, LOBES> {
+    #[inline(always)]
+    fn new(nodes: &Nodes<S>, parts: [Part<S>; LOBES]) -> Self {
+        Self { missed: nodes.missed(&parts), parts }
+    }
+
+    /// Or these, where they miss noticeably less.
+    #[inline(always)]
+    fn or(&mut self, nodes: &Nodes<S>, others: [Part<S>; LOBES]) {
+        let missed = nodes.missed(&others);
+        let most = NOTICEABLE * missed;
+        for (part, other) in self.parts.iter_mut().zip(others) {
+            part.lobe = other.lobe.where_above(self.missed, most, part.lobe);
+            part.share = self.missed.above(most, other.share, part.share);
+            part.area = self.missed.above(most, other.area, part.area);
+        }
+        self.missed = self.missed.above(most, missed, self.missed);
     }
 }
 
@@ -131,43 +167,23 @@ fn store<S: Simd, const LOBES: usize>(to: &mut [Rows<VALUES>; LOBES], which: Whi
     }
 }
 
-/// Takes a few steps; they are kept where the lobes then still cover the footprint, or share a normal.
+/// The parts after a few steps.
 #[inline(always)]
-fn move_some<S: Simd, const LOBES: usize>(atoms: &[Atom<S>], shape: Shape, parts: &mut [Part<S>; LOBES]) {
-    let mut whole = scatter::start(
-        atoms,
-        #[inline(always)]
-        |k| atoms[k].w,
-        None,
-    );
-    // Nodes turn with the footprint if their axes follow any lobe that does.
-    let metric = Metric::new(&mut whole);
-    let mut axes = Vec::with_capacity(atoms.len());
-    for atom in atoms {
-        let Seen { a: [ax, ay], b: [bx, by], .. } = Seen::new(atom, &whole, &metric);
-        axes.push([ax, ay, bx, by]);
-    }
-    let mut moved = *parts;
+fn moved<S: Simd, const LOBES: usize>(
+    atoms: &[Atom<S>],
+    nodes: &Nodes<S>,
+    shape: Shape,
+    mut parts: [Part<S>; LOBES],
+) -> [Part<S>; LOBES] {
     for _ in 0..STEPS {
-        step(atoms, &axes, shape, &mut moved);
+        step(atoms, nodes, shape, &mut parts);
     }
-    if shape.shared_normal {
-        *parts = moved;
-    } else {
-        let own = seed::covered(atoms, parts);
-        let least = own - LOSS * (scatter::weight(atoms) - own);
-        seed::choose(parts, &moved, seed::covered(atoms, &moved), least);
-    }
+    parts
 }
 
 /// One step.
 #[inline(always)]
-fn step<S: Simd, const LOBES: usize>(
-    atoms: &[Atom<S>],
-    axes: &[[Lanes<S>; 4]],
-    shape: Shape,
-    parts: &mut [Part<S>; LOBES],
-) {
+fn step<S: Simd, const LOBES: usize>(atoms: &[Atom<S>], nodes: &Nodes<S>, shape: Shape, parts: &mut [Part<S>; LOBES]) {
     let zero = parts[0].share.like(0.0);
     let none = Metric { xx: zero, xy: zero, yy: zero, root: zero };
     let mut metrics = [none; LOBES];
@@ -176,20 +192,18 @@ fn step<S: Simd, const LOBES: usize>(
         metric.root *= part.share;
     }
     let mut sums = [Sums { share: zero, area: zero, w: zero, d: [zero; 2], dd: [zero; 3], own: [zero; 3] }; LOBES];
-    for (atom, [ax, ay, bx, by]) in atoms.iter().zip(axes) {
+    for (k, atom) in atoms.iter().enumerate() {
         let mut shares = [zero; LOBES];
-        let weight = 0.125 * atom.w;
+        let weight = 1.0 / nodes::COUNT as f32 * atom.w;
         let own = atom.scatter();
-        for [p, q] in NODES {
-            let (x, y) = (atom.x + p * *ax + q * *bx, atom.y + p * *ay + q * *by);
+        for &[x, y] in &nodes.at[k * nodes::COUNT..(k + 1) * nodes::COUNT] {
             let (mut d, mut w, mut density) = ([[zero; 2]; LOBES], [zero; LOBES], [zero; LOBES]);
             let mut all = zero.like(f32::MIN_POSITIVE);
             for j in 0..LOBES {
                 let (m, e) = (&metrics[j], &parts[j].lobe);
                 let (dx, dy) = (x - e.x, y - e.y);
                 d[j] = [dx, dy];
-                w[j] = (m.xx * dx * dx + 2.0 * m.xy * dx * dy + m.yy * dy * dy + 1.0).inverse();
-                density[j] = m.root * w[j] * w[j];
+                (w[j], density[j]) = m.density(dx, dy);
                 all += density[j];
             }
             let scale = weight * all.inverse();

@@ -10,6 +10,7 @@ pub(super) mod estimate;
 mod lanes;
 pub(super) mod lobe_error;
 pub(super) mod mixture;
+mod nodes;
 pub(super) mod read_out;
 pub(super) mod scatter;
 mod seed;

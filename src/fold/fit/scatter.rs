@@ -83,6 +83,13 @@ impl<S: Simd> Metric<S> {
         let inverse = (product - e.xy * e.xy).inverse();
         Self { xx: e.yy * inverse, xy: -(e.xy * inverse), yy: e.xx * inverse, root: inverse.sqrt() }
     }
+
+    /// `w = 1 / (1 + d^T P^-1 d)` at a distance from the centre, and pi times the density there.
+    #[inline(always)]
+    pub fn density(&self, dx: Lanes<S>, dy: Lanes<S>) -> (Lanes<S>, Lanes<S>) {
+        let w = (self.xx * dx * dx + 2.0 * self.xy * dx * dy + self.yy * dy * dy + 1.0).inverse();
+        (w, self.root * w * w)
+    }
 }
 
 /// An atom seen from an estimate: its distance, and its axes `v = L q` for orthogonal q, of which the first points where w

@@ -9,86 +9,98 @@ use super::mixture::Part;
 use super::scatter;
 use crate::ndf::Form;
 
-/// Share of a footprint that its parts cover, below which they are looked for in another way.
-const APART: f32 = 0.8;
-
-/// How many times more the other way must cover.
-const BETTER: f32 = 1.25;
-
 /// Overlap from which a lobe stands for an atom.
 const COVERED: f32 = 0.5;
+
+/// How often atoms go to the part that covers them best.
+const ROUNDS: usize = 2;
 
 /// Distance that rounding alone may make.
 const NOTHING: f32 = 3e-5;
 
-/// The footprint cut by place; or, where its parts have a common centre, that of `shared`, by how far they reach from it.
+/// The footprint cut by place and width.
 #[inline(always)]
-pub(super) fn cut<S: Simd, const LOBES: usize>(
+pub(super) fn cut<S: Simd, const LOBES: usize>(atoms: &[Atom<S>], form: Form) -> [Part<S>; LOBES] {
+    lobes(atoms, &halves::<S, LOBES>(atoms, None), form, None)
+}
+
+/// The footprint cut by how far its lobes reach from a centre, which the parts have in common.
+#[inline(always)]
+pub(super) fn cut_by_reach<S: Simd, const LOBES: usize>(
     atoms: &[Atom<S>],
     form: Form,
-    shared: Option<&Estimate<S>>,
+    from: &Estimate<S>,
 ) -> [Part<S>; LOBES] {
-    lobes(atoms, &halves::<S, LOBES>(atoms, shared), form, shared)
+    lobes(atoms, &halves::<S, LOBES>(atoms, Some(from)), form, Some(from))
 }
 
-/// Appends the footprints that parts leave uncovered too much, of those from `first` to below `end`.
+/// Parts about the most typical atom, about that of what it leaves, and so on; the last part is what is then left. Then each
+/// atom goes to the part that covers it best, a few times.
 #[inline(always)]
-pub(super) fn doubtful<S: Simd, const LOBES: usize>(
-    atoms: &[Atom<S>],
-    parts: &[Part<S>; LOBES],
-    first: usize,
-    end: usize,
-    out: &mut Vec<usize>,
-) {
-    (APART * scatter::weight(atoms) - covered(atoms, parts)).append_positive(first, end, out);
-}
-
-/// Takes the parts that are found by peeling where they cover more.
-#[inline(always)]
-pub(super) fn peel_if_better<S: Simd, const LOBES: usize>(
-    atoms: &[Atom<S>],
-    form: Form,
-    up: Lanes<S>,
-    parts: &mut [Part<S>; LOBES],
-) {
-    let peeled = peel::<S, LOBES>(atoms, form, up);
-    let least = BETTER * covered(atoms, parts);
-    choose(parts, &peeled, covered(atoms, &peeled), least);
-}
-
-/// Takes other parts where `value` is larger than `least`.
-#[inline(always)]
-pub(super) fn choose<S: Simd, const LOBES: usize>(
-    parts: &mut [Part<S>; LOBES],
-    others: &[Part<S>; LOBES],
-    value: Lanes<S>,
-    least: Lanes<S>,
-) {
-    for (part, other) in parts.iter_mut().zip(others) {
-        part.lobe = other.lobe.where_above(value, least, part.lobe);
-        part.share = value.above(least, other.share, part.share);
-        part.area = value.above(least, other.area, part.area);
-    }
-}
-
-/// How much of the atoms the parts cover, each atom by the one that covers it best.
-#[inline(always)]
-pub(super) fn covered<S: Simd, const LOBES: usize>(atoms: &[Atom<S>], parts: &[Part<S>; LOBES]) -> Lanes<S> {
-    let zero = atoms[0].w.like(0.0);
-    let mut areas = [zero; LOBES];
-    for (area, part) in areas.iter_mut().zip(parts) {
-        *area = part.lobe.area();
-    }
-    let mut sum = zero;
-    for atom in atoms {
-        let mut best = zero;
-        for (part, area) in parts.iter().zip(areas) {
-            let own = part.lobe.overlap(area, atom);
-            best = own.above(best, own, best);
+pub(super) fn cluster<S: Simd, const LOBES: usize>(atoms: &[Atom<S>], form: Form) -> [Part<S>; LOBES] {
+    let (zero, one) = (atoms[0].w.like(0.0), atoms[0].w.like(1.0));
+    let count = atoms.len();
+    let mut overlaps = vec![one; count * count];
+    for i in 0..count {
+        let (lobe, area) = (atoms[i].estimate(), atoms[i].l11 * atoms[i].l22);
+        for j in 0..i {
+            let overlap = lobe.overlap(area, &atoms[j]);
+            (overlaps[i * count + j], overlaps[j * count + i]) = (overlap, overlap);
         }
-        sum += atom.w * best;
     }
-    sum
+    let mut seeds = [Estimate::nothing(zero); LOBES];
+    let mut left = vec![one; count];
+    for seed in &mut seeds[..LOBES - 1] {
+        let mut most = zero.like(-1.0);
+        for (atom, overlaps) in atoms.iter().zip(overlaps.chunks_exact(count)) {
+            let mut covered = zero;
+            for k in 0..count {
+                covered += atoms[k].w * overlaps[k].above(left[k], left[k], overlaps[k]);
+            }
+            *seed = atom.estimate().where_above(covered, most, *seed);
+            most = covered.above(most, covered, most);
+        }
+        let area = seed.area();
+        for (left, atom) in left.iter_mut().zip(atoms) {
+            let beyond = -seed.overlap(area, atom) + 1.0;
+            *left = left.above(beyond, beyond, *left);
+        }
+    }
+    seeds[LOBES - 1] = scatter::start(
+        atoms,
+        #[inline(always)]
+        |k| atoms[k].w * left[k],
+        None,
+    );
+    let mut parts = lobes(atoms, &closest_of(atoms, &seeds), form, None);
+    for _ in 1..ROUNDS {
+        for (seed, part) in seeds.iter_mut().zip(&parts) {
+            *seed = part.lobe;
+        }
+        parts = lobes(atoms, &closest_of(atoms, &seeds), form, None);
+    }
+    parts
+}
+
+/// The atoms that each lobe covers best.
+#[inline(always)]
+fn closest_of<S: Simd, const LOBES: usize>(atoms: &[Atom<S>], seeds: &[Estimate<S>; LOBES]) -> Members<S, LOBES> {
+    let (zero, one) = (atoms[0].w.like(0.0), atoms[0].w.like(1.0));
+    let mut members: Members<S, LOBES> = std::array::from_fn(|_| vec![zero; atoms.len()]);
+    let mut most = vec![zero.like(-1.0); atoms.len()];
+    for j in 0..LOBES {
+        let area = seeds[j].area();
+        for (k, atom) in atoms.iter().enumerate() {
+            let overlap = seeds[j].overlap(area, atom);
+            let own = overlap.above(most[k], one, zero);
+            for earlier in &mut members[..j] {
+                earlier[k] *= one - own;
+            }
+            members[j][k] = own;
+            most[k] = overlap.above(most[k], overlap, most[k]);
+        }
+    }
+    members
 }
 
 /// Whether an atom belongs to a part: 0 or 1.
@@ -97,7 +109,7 @@ type Members<S, const LOBES: usize> = [Vec<Lanes<S>>; LOBES];
 /// Takes from what is left, again and again, what its closest lobe covers; the last part is all that is then left, and its
 /// closest lobe.
 #[inline(always)]
-fn peel<S: Simd, const LOBES: usize>(atoms: &[Atom<S>], form: Form, up: Lanes<S>) -> [Part<S>; LOBES] {
+pub(super) fn peel<S: Simd, const LOBES: usize>(atoms: &[Atom<S>], form: Form, up: Lanes<S>) -> [Part<S>; LOBES] {
     let (zero, one) = (up.like(0.0), up.like(1.0));
     let mut members: Members<S, LOBES> = std::array::from_fn(|_| vec![zero; atoms.len()]);
     let mut rest = atoms.to_vec();
