@@ -67,6 +67,7 @@
 //! | [`sample`] | six materials made by code |
 //! | [`render`] | a small CPU renderer for evidence |
 //! | [`report`] | the judge's findings for people (one HTML page) and for programs (JSON, CSV) |
+//! | [`kernels`] | shader helpers as texts, in three languages, and their twins in f64 |
 //! | [`cli`] | arguments to library calls to exit code; the only room that prints |
 //!
 //! # Symbols and units
@@ -93,6 +94,7 @@ pub mod compare;
 pub mod error;
 pub mod fold;
 pub mod image;
+pub mod kernels;
 pub mod material;
 pub mod moments;
 pub mod ndf;

@@ -149,7 +149,7 @@ fn commands_work() {
 /// `demo --list` and the like in running text.
 #[test]
 fn options_in_the_text_exist() {
-    let help: String = [["build", "--help"], ["compare", "--help"], ["demo", "--help"]]
+    let help: String = [["build", "--help"], ["compare", "--help"], ["demo", "--help"], ["kernels", "--help"]]
         .map(|arguments| {
             let output = Command::new(env!("CARGO_BIN_EXE_mipfold")).args(arguments).output().unwrap();
             String::from_utf8(output.stdout).unwrap()

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 /// From top to bottom.
 ///
 /// The judge, `reference` and `compare`, stands above `fold`: it cannot know what it judges.
-const ROOMS: [&str; 17] = [
+const ROOMS: [&str; 18] = [
     "error",
     "roughness",
     "random",
@@ -22,6 +22,7 @@ const ROOMS: [&str; 17] = [
     "sample",
     "render",
     "report",
+    "kernels",
     "cli",
 ];
 
@@ -171,7 +172,7 @@ fn the_reader_of_imports_finds_what_it_must() {
         ("image.rs", "fn f() -> crate::codec::Depth {}"),
         ("moments/mod.rs", "pub(crate) use crate::{\n    image::Size,\n    fold,\n};"),
         ("output/write.rs", "eprintln!(\"\");"),
-        ("codec/new.rs", "use crate::kernels::TEXT;"),
+        ("codec/new.rs", "use crate::shaders::TEXT;"),
         ("fold/a.rs", "use crate::cli;\n#[cfg(test)]\nmod tests {\n}"),
     ];
     for (file, text) in wrong {

@@ -9,6 +9,7 @@ use super::lobes_arg::LobesArg;
 use crate::codec::Depth;
 use crate::fold::{DEFAULT_FOLD, FOLDS, Fold, Options};
 use crate::image::Wrap;
+use crate::kernels::Language;
 use crate::material::{DEFAULT_HEIGHT_SCALE, DEFAULT_ROUGHNESS, Extra, NormalRange, NormalY, NormalZ};
 use crate::ndf::Form;
 use crate::output::Format;
@@ -58,6 +59,21 @@ pub enum Command {
     Compare(CompareArgs),
     /// Make a sample material, build and judge its chain, and draw it from near to far
     Demo(DemoArgs),
+    /// Print shader helpers to include: what reads the maps, filters geometry and shades
+    Kernels(KernelsArgs),
+}
+
+#[derive(Args)]
+pub struct KernelsArgs {
+    /// Files to print [default: their list]
+    #[arg(value_name = "NAME")]
+    pub names: Vec<String>,
+    /// Shading language
+    #[arg(long, value_enum, default_value = "wgsl")]
+    pub lang: Language,
+    /// Print the files that these need too, before them
+    #[arg(long)]
+    pub bundle: bool,
 }
 
 /// A name and what is said of it, in lines that fit a terminal of 80 columns, so that nothing else breaks them.

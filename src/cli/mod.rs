@@ -10,6 +10,7 @@ mod demo;
 mod inputs;
 mod job;
 mod judging;
+mod kernels;
 mod lobes_arg;
 mod report;
 mod table;
@@ -35,6 +36,7 @@ pub fn run() -> ExitCode {
         Command::Build(args) => build::run(args, &cli.global, &mut report),
         Command::Compare(args) => compare::run(args, &cli.global, &mut report),
         Command::Demo(args) => demo::run(args, &cli.global, &mut report),
+        Command::Kernels(args) => kernels::run(args, &mut report),
     };
     if let Err(error) = result {
         report.error(&error);
