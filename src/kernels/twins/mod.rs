@@ -1,0 +1,4 @@
+//! The shader helpers of `kernels/wgsl` once more, in f64: function by function, with the same names (without `mf_`) and
+//! arguments. They are written from the formulas, not from the shaders' text, and judge it.
+
+pub mod roughness;
