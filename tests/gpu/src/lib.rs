@@ -6,6 +6,12 @@
 
 pub mod case;
 pub mod cases;
+pub mod gpu;
+pub mod harness;
+pub mod source;
+pub mod token;
+pub mod translate;
 /// The twins, by path, so that the shader tests need not build the whole library.
 #[path = "../../../src/kernels/twins/mod.rs"]
 pub mod twins;
+pub mod words;
