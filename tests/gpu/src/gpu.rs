@@ -39,8 +39,8 @@ pub enum Stage {
     Fragment,
 }
 
-/// Calls in a row of the picture that fragment shaders draw.
-pub const QUADS_A_ROW: usize = 64;
+/// Calls of a group of threads, and in a row of the picture that fragment shaders draw.
+pub const CALLS_AT_ONCE: usize = 64;
 
 /// The device that all tests share; none where there is no Vulkan adapter.
 pub fn gpu() -> Option<&'static Gpu> {
@@ -65,15 +65,22 @@ impl Gpu {
         Some(Self { name: format!("{} ({})", info.name, info.driver_info), device, queue, running: Mutex::new(()) })
     }
 
-    /// Runs a shader with an entry point `main` once for each of `calls`. It reads the words at binding 0 and writes
-    /// `words_out` words at binding 1. Errors are the compiler's.
-    pub fn run(&self, shader: &Shader, calls: usize, words: &[u32], words_out: usize) -> Result<Vec<u32>, String> {
+    /// Runs one function of a program once for each of `calls`, whole groups of them. It reads the words at binding 0 and
+    /// writes `words_out` words at binding 1. Errors are the compiler's.
+    pub fn run(
+        &self,
+        program: &Program,
+        which: u32,
+        calls: usize,
+        words: &[u32],
+        words_out: usize,
+    ) -> Result<Vec<u32>, String> {
         use wgpu::{BufferUsages, ShaderStages};
         let _one = self.running.lock().unwrap_or_else(PoisonError::into_inner);
         let scope = self.device.push_error_scope(wgpu::ErrorFilter::Validation);
-        let source = match shader {
-            Shader { text: Some(text), .. } => wgpu::ShaderSource::Wgsl(text.into()),
-            Shader { spirv, .. } => wgpu::ShaderSource::SpirV(spirv.into()),
+        let source = match &program.code {
+            Code::Wgsl(text) => wgpu::ShaderSource::Wgsl(text.replace("WHICH", &which.to_string()).into()),
+            Code::SpirV(words) => wgpu::ShaderSource::SpirV(specialised(words, which).into()),
         };
         let module = self.device.create_shader_module(wgpu::ShaderModuleDescriptor { label: None, source });
         let buffer = |contents: &[u32]| {
@@ -89,7 +96,7 @@ impl Gpu {
             usage: BufferUsages::COPY_DST | BufferUsages::MAP_READ,
             mapped_at_creation: false,
         });
-        let visibility = if shader.stage == Stage::Compute { ShaderStages::COMPUTE } else { ShaderStages::FRAGMENT };
+        let visibility = if program.stage == Stage::Compute { ShaderStages::COMPUTE } else { ShaderStages::FRAGMENT };
         let ty = wgpu::BindingType::Buffer {
             ty: wgpu::BufferBindingType::Storage { read_only: false },
             has_dynamic_offset: false,
@@ -112,7 +119,7 @@ impl Gpu {
             immediate_size: 0,
         });
         let mut encoder = self.device.create_command_encoder(&Default::default());
-        match shader.stage {
+        match program.stage {
             Stage::Compute => self.compute(&mut encoder, &module, &layout, &group, calls),
             Stage::Fragment => self.draw(&mut encoder, &module, &layout, &group, calls),
         }
@@ -146,7 +153,7 @@ impl Gpu {
         let mut pass = encoder.begin_compute_pass(&Default::default());
         pass.set_pipeline(&pipeline);
         pass.set_bind_group(0, group, &[]);
-        pass.dispatch_workgroups(calls.div_ceil(64) as u32, 1, 1);
+        pass.dispatch_workgroups(calls.div_ceil(CALLS_AT_ONCE) as u32, 1, 1);
     }
 
     /// One triangle over a picture with a 2x2 quad of pixels for each call.
@@ -166,8 +173,8 @@ impl Gpu {
         let picture = self.device.create_texture(&wgpu::TextureDescriptor {
             label: None,
             size: wgpu::Extent3d {
-                width: 2 * QUADS_A_ROW as u32,
-                height: 2 * calls.div_ceil(QUADS_A_ROW) as u32,
+                width: 2 * CALLS_AT_ONCE as u32,
+                height: 2 * calls.div_ceil(CALLS_AT_ONCE) as u32,
                 depth_or_array_layers: 1,
             },
             mip_level_count: 1,
@@ -224,23 +231,52 @@ fn main(@builtin(vertex_index) i: u32) -> @builtin(position) vec4f {
 }
 ";
 
-/// A shader that is ready to run: WGSL as text, the others as SPIR-V.
-pub struct Shader {
+/// Functions that are ready to run, one at a time.
+pub struct Program {
     stage: Stage,
-    text: Option<String>,
-    spirv: Vec<u32>,
+    code: Code,
 }
 
-impl Shader {
-    /// From text with an entry point `main`; errors are the compiler's.
+enum Code {
+    /// Text with `WHICH` in it.
+    Wgsl(String),
+    /// With one specialisation constant.
+    SpirV(Vec<u32>),
+}
+
+impl Program {
+    /// From text with an entry point `main`, which does what a constant says: `WHICH` in WGSL, a specialisation constant in
+    /// the others. Errors are the compiler's.
     pub fn new(language: Language, stage: Stage, text: &str) -> Result<Self, String> {
         if language == Language::Wgsl {
-            return Ok(Self { stage, text: Some(text.to_string()), spirv: Vec::new() });
+            return Ok(Self { stage, code: Code::Wgsl(text.to_string()) });
         }
         let bytes = glslang(language, stage, text)?;
-        let spirv = bytes.chunks_exact(4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect();
-        Ok(Self { stage, text: None, spirv })
+        let words = bytes.chunks_exact(4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect();
+        Ok(Self { stage, code: Code::SpirV(words) })
     }
+}
+
+/// SPIR-V with its specialisation constant made a plain one: the compiler is slow to start, so it runs once for all
+/// functions.
+fn specialised(words: &[u32], value: u32) -> Vec<u32> {
+    const HEADER: usize = 5;
+    const SPEC_CONSTANT: u32 = 50;
+    const CONSTANT: u32 = 43;
+    const DECORATE: u32 = 71;
+    const SPEC_ID: u32 = 1;
+    let mut out = words[..HEADER].to_vec();
+    let mut rest = &words[HEADER..];
+    while let Some(&first) = rest.first() {
+        let (instruction, after) = rest.split_at((first >> 16) as usize);
+        match first & 0xFFFF {
+            SPEC_CONSTANT => out.extend([first - SPEC_CONSTANT + CONSTANT, instruction[1], instruction[2], value]),
+            DECORATE if instruction[2] == SPEC_ID => {}
+            _ => out.extend(instruction),
+        }
+        rest = after;
+    }
+    out
 }
 
 /// Whether there is a `glslangValidator`.

@@ -15,3 +15,4 @@ pub mod translate;
 #[path = "../../../src/kernels/twins/mod.rs"]
 pub mod twins;
 pub mod words;
+pub mod wrapper;

@@ -2,9 +2,18 @@
 
 use crate::case::Case;
 
+mod footprint;
+mod geometric_aa;
+mod moments;
 mod roughness;
 
 /// The cases of every subject (a file `kernels/wgsl/<subject>.wgsl`), with its name.
 pub fn all() -> Vec<(&'static str, Vec<Case>)> {
-    vec![("roughness", roughness::cases())]
+    vec![
+        ("footprint", footprint::cases()),
+        ("geometric_aa", geometric_aa::cases()),
+        ("geometric_aa_screen", geometric_aa::screen_cases()),
+        ("moments", moments::cases()),
+        ("roughness", roughness::cases()),
+    ]
 }
