@@ -1,4 +1,5 @@
 // Generated from kernels/wgsl/roughness.wgsl: change that file, not this one.
+// In GLSL ES, include it after `precision highp float;` and `precision highp int;`.
 #ifndef MF_ROUGHNESS_GLSL
 #define MF_ROUGHNESS_GLSL
 

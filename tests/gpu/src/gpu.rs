@@ -156,7 +156,8 @@ impl Gpu {
         pass.dispatch_workgroups(calls.div_ceil(CALLS_AT_ONCE) as u32, 1, 1);
     }
 
-    /// One triangle over a picture with a 2x2 quad of pixels for each call.
+    /// One triangle over the quarter of a picture that has a 2x2 quad of pixels for each call. It lies within the picture,
+    /// for clipped ones are drawn in parts, and in quads along their seam Mesa reads zeros for the pixels of the other part.
     fn draw(
         &self,
         encoder: &mut wgpu::CommandEncoder,
@@ -169,14 +170,11 @@ impl Gpu {
             label: None,
             source: wgpu::ShaderSource::Wgsl(TRIANGLE.into()),
         });
+        let (width, height) = (2 * CALLS_AT_ONCE as u32, 2 * calls.div_ceil(CALLS_AT_ONCE) as u32);
         let format = wgpu::TextureFormat::Rgba8Unorm;
         let picture = self.device.create_texture(&wgpu::TextureDescriptor {
             label: None,
-            size: wgpu::Extent3d {
-                width: 2 * CALLS_AT_ONCE as u32,
-                height: 2 * calls.div_ceil(CALLS_AT_ONCE) as u32,
-                depth_or_array_layers: 1,
-            },
+            size: wgpu::Extent3d { width: 2 * width, height: 2 * height, depth_or_array_layers: 1 },
             mip_level_count: 1,
             sample_count: 1,
             dimension: wgpu::TextureDimension::D2,
@@ -217,6 +215,7 @@ impl Gpu {
         });
         pass.set_pipeline(&pipeline);
         pass.set_bind_group(0, group, &[]);
+        pass.set_scissor_rect(0, 0, width, height);
         pass.draw(0..3, 0..1);
     }
 }
@@ -227,7 +226,7 @@ const NOT_WRITTEN: u32 = 0xFFFF_FFFF;
 const TRIANGLE: &str = "
 @vertex
 fn main(@builtin(vertex_index) i: u32) -> @builtin(position) vec4f {
-    return vec4f(f32(i & 1u) * 4.0 - 1.0, f32(i >> 1u) * 4.0 - 1.0, 0.5, 1.0);
+    return vec4f(f32(i & 1u) * 2.0 - 1.0, 1.0 - f32(i >> 1u) * 2.0, 0.5, 1.0);
 }
 ";
 

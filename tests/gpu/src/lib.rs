@@ -3,6 +3,15 @@
 //!
 //! `kernels/wgsl` is the hand-written text; [`translate`] makes GLSL and HLSL from it, [`harness`] runs all three, and
 //! [`cases`] says with which arguments.
+//!
+//! ```text
+//! apt-get install mesa-vulkan-drivers libvulkan1 glslang-tools
+//! cargo test --manifest-path tests/gpu/Cargo.toml
+//! ```
+//!
+//! Without a Vulkan adapter or `glslangValidator` the tests say SKIPPED and pass; with `MIPFOLD_NO_SKIP` set they fail.
+//! `MIPFOLD_ONLY` names one file (`ndf`) or, for the comparison, one function (`mf_d_ggx`). `BLESS=1` writes
+//! `kernels/glsl` and `kernels/hlsl` anew.
 
 pub mod case;
 pub mod cases;

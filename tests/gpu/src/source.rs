@@ -59,8 +59,11 @@ pub fn generated(subject: &str, language: Language) -> Result<String, String> {
     let own = bundle(subject, language)?.own;
     let name = language.name();
     let guard = format!("MF_{}_{}", subject.to_uppercase(), name.to_uppercase());
+    // Fragment shaders of GLSL ES have no precision of floats of their own, and 16 bits of integers.
+    let precision = "// In GLSL ES, include it after `precision highp float;` and `precision highp int;`.\n";
+    let precision = if language == Language::Glsl { precision } else { "" };
     Ok(format!(
-        "// Generated from kernels/wgsl/{subject}.wgsl: change that file, not this one.\n\
+        "// Generated from kernels/wgsl/{subject}.wgsl: change that file, not this one.\n{precision}\
          #ifndef {guard}\n#define {guard}\n\n{}\n\n#endif\n",
         own.trim_end()
     ))

@@ -131,8 +131,8 @@ mod tests {
 
     #[test]
     fn what_languages_read_differently_is_refused() {
-        for text in ["1.0f", "1i", "010u", "1.0e", "/* */", "// a \\", "// \u{b5}", "0x1.0"] {
-            assert!(tokens(text).is_err() || text == "0x1.0", "{text}");
+        for text in ["1.0f", "1i", "010u", "1.0e", "/* */", "// a \\", "// \u{b5}"] {
+            assert!(tokens(text).is_err(), "{text}");
         }
         assert!(["0.5", "0u", "1e-3", "10.", "0xFFu"].iter().all(|t| tokens(t).unwrap()[0].text == *t));
     }

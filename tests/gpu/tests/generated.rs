@@ -118,7 +118,9 @@ fn glsl_compiles_in_its_versions() {
         for version in ["450", "330", "300 es"] {
             let stage = if version == "450" && !is_screen(&subject) { Stage::Compute } else { Stage::Fragment };
             let main = if stage == Stage::Compute { "layout(local_size_x = 1) in;\n" } else { "" };
-            let text = format!("#version {version}\nprecision highp float;\n{text}\n{main}void main() {{\n}}\n");
+            let text = format!(
+                "#version {version}\nprecision highp float;\nprecision highp int;\n{text}\n{main}void main() {{\n}}\n"
+            );
             if let Err(error) = glslang_with(stage, &text, &[]) {
                 wrong += &format!("{subject}, version {version}:\n{error}");
             }
