@@ -42,7 +42,7 @@ impl Bound {
 ///
 /// ```
 /// # use mipfold_gpu_tests::case::Sweep;
-/// let inputs = Sweep::new(500).log(0.001, 1.0).hemisphere().edges(&[0.0, -1.0]).inputs();
+/// let inputs = Sweep::new(500).log(0.001, 1.0).hemisphere().linear(-1.0, 1.0).edges(&[0.0]).inputs();
 /// assert!(inputs.len() == 500 && inputs[0].len() == 5);
 /// ```
 #[derive(Clone, Debug)]
