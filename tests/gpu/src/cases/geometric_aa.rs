@@ -16,14 +16,14 @@ pub(super) fn v3(a: &[f64], at: usize) -> DVec3 {
 }
 
 /// A few roundings of f32.
-pub(super) const ROUNDING: Bound = Bound { absolute: 1e-9, relative: 2e-6 };
+pub(super) const ROUNDING: Bound = Bound { absolute: 1e-9, relative: 5e-7 };
 
 /// Tensors: entries are sums of terms as large as the largest, and the mixed one may cancel. Beside a width of 1, a width of
 /// 0.001 is known to half.
-pub(super) const TENSOR: Bound = Bound { absolute: 5e-7, relative: 5e-6 };
+pub(super) const TENSOR: Bound = Bound { absolute: 3e-7, relative: 1e-6 };
 
 /// Sums of terms of either sign, none above 4 or so.
-const SUM: Bound = Bound { absolute: 1e-6, relative: 5e-6 };
+const SUM: Bound = Bound { absolute: 3e-7, relative: 1e-6 };
 
 /// A call's tensor, given as two widths and an angle in its first three arguments, as xx, xy, yy.
 pub(super) fn with_tensor(inputs: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
@@ -91,24 +91,14 @@ pub fn cases() -> Vec<Case> {
     vec![
         Case {
             name: "mf_half_vector_derivative",
-            inputs: tangential(
-                derivatives(Sweep::new(1000).hemisphere().hemisphere(), 3).inputs(),
-                &[(0, 6), (3, 9)],
-            ),
+            inputs: tangential(derivatives(Sweep::new(1000).hemisphere().hemisphere(), 3).inputs(), &[(0, 6), (3, 9)]),
             // Towards opposite directions the half vector turns ever faster: by 1 / |v + l|.
-            bound: Bound { absolute: 2e-6, relative: 1e-4 },
+            bound: Bound { absolute: 3e-7, relative: 1e-5 },
             twin: |a| twins::half_vector_derivative(v3(a, 0), v3(a, 3), v3(a, 6), v3(a, 9)).to_array().into(),
         },
         Case {
             name: "mf_projected_derivative",
-            inputs: Sweep::new(1000)
-                .hemisphere()
-                .sphere()
-                .hemisphere()
-                .sphere()
-                .sphere()
-                .sphere()
-                .inputs(),
+            inputs: Sweep::new(1000).hemisphere().sphere().hemisphere().sphere().sphere().sphere().inputs(),
             twin: |a| {
                 let [h, dh, n, dn, t, b] = std::array::from_fn(|i| v3(a, 3 * i));
                 twins::projected_derivative(h, dh, n, dn, t, b).to_array().into()
@@ -119,14 +109,14 @@ pub fn cases() -> Vec<Case> {
             name: "mf_slope_derivative",
             inputs: tangential(Sweep::new(1000).hemisphere().disk().linear(-1.0, 1.0).inputs(), &[(0, 3)]),
             // Over the cosine squared, down to 0.02^2: a rounding of the derivative grows by 2500.
-            bound: Bound { absolute: 5e-4, relative: 2e-6 },
+            bound: Bound { absolute: 1e-4, relative: 2e-6 },
             twin: |a| twins::slope_derivative(v3(a, 0), v3(a, 3)).to_array().into(),
         },
         Case {
             name: "mf_kernel",
             inputs: filter(derivatives(Sweep::new(1000), 2)).inputs(),
             twin: |a| kernel_of(a, 0, a[4]).to_array().into(),
-            bound: Bound { absolute: 1e-7, ..ROUNDING },
+            bound: Bound { absolute: 3e-8, ..ROUNDING },
         },
         Case {
             name: "mf_kernel_rectangle",
@@ -162,7 +152,7 @@ pub fn cases() -> Vec<Case> {
             name: "mf_add_kernel_mean",
             inputs: Sweep::new(300).log(1e-6, 1.0).signed_log(1e-6, 1.0).inputs(),
             twin: |a| vec![twins::add_kernel_mean(a[0], a[1])],
-            bound: Bound { absolute: 1e-7, ..ROUNDING },
+            bound: Bound { absolute: 3e-8, ..ROUNDING },
         },
         Case {
             name: "mf_add_kernel_projected",
@@ -242,12 +232,11 @@ fn differences(a: &[f64], n: usize, at: usize) -> (DVec3, DVec3) {
 
 /// Differences of neighbours in f32: a vector of length 1 is known to 6e-8, its derivative to 2e-7, and the kernel's share
 /// of alpha^2 to 4e-7 times the derivative.
-const SCREEN: Bound = Bound { absolute: 1e-6, relative: 1e-5 };
+const SCREEN: Bound = Bound { absolute: 3e-7, relative: 1e-6 };
 
 /// All functions of the screen.
 pub fn screen_cases() -> Vec<Case> {
-    let normals =
-        || on_screen(with_kappa(derivatives(Sweep::new(500).log(1e-6, 1.0).sphere(), 3)).inputs(), 1);
+    let normals = || on_screen(with_kappa(derivatives(Sweep::new(500).log(1e-6, 1.0).sphere(), 3)).inputs(), 1);
     let halves = || derivatives(tensor(Sweep::new(1000)).hemisphere(), 3);
     vec![
         Case {
