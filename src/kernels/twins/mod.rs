@@ -4,4 +4,6 @@
 pub mod footprint;
 pub mod geometric_aa;
 pub mod moments;
+pub mod ndf;
 pub mod roughness;
+pub mod shading;
