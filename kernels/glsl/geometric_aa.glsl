@@ -1,0 +1,189 @@
+// Generated from kernels/wgsl/geometric_aa.wgsl: change that file, not this one.
+// In GLSL ES, include it after `precision highp float;` and `precision highp int;`.
+#ifndef MF_GEOMETRIC_AA_GLSL
+#define MF_GEOMETRIC_AA_GLSL
+
+// Geometric specular anti-aliasing: widens a lobe by how far normals or half vectors turn across a pixel. Derivatives are
+// arguments, per pixel, so that compute and ray-tracing shaders can use it; geometric_aa_screen takes them from the screen.
+// Needs: nothing
+//
+// A pixel sees the lobe smeared by a kernel of slopes, twice whose covariance is K = 2 sigma2 (a a^T + b b^T) for the
+// derivatives a and b along the screen's axes and the variance sigma2 of the pixel's filter (pixels^2). Tensors are
+// (xx, xy, yy) with eigenvalues alpha^2, in the tangent frame of the derivatives. Zero derivatives give back what came in,
+// bit by bit.
+//
+// Which to use when:
+//   you have                             | and want                     | call
+//   interpolated normals, one roughness  | least blur                   | mf_aa_2021_normals, MF_SIGMA2_PEAK (the default)
+//   the same                             | no sparkle, some blur        | mf_aa_2019_normals, MF_SIGMA2_HALF (most engines)
+//   the same, two widths                 | streaks along the curvature  | mf_kernel of dn.t and dn.b, mf_add_kernel_projected
+//   half vectors, forward shading        | right, also at grazing views | mf_aa_2021, MF_SIGMA2_PEAK
+//   the same, cheaper                    | no conversion                | mf_aa_2019
+//   the same, no cross term in the lobe  | two widths along the tangent | mf_aa_2019_axes
+//   slopes of half vectors               | to match older renderers     | mf_aa_2016, mf_aa_2016_full
+// Half vectors see lights and viewers that are near, normals do not. Use interpolated normals, not those of a normal map,
+// whose variance belongs to its mip chain (footprint tells how to use them nevertheless), and no centroid interpolation.
+// Clamp to the smallest alpha that you shade after, not before.
+
+// Variance of a box of one pixel: what the mean over the pixel has.
+const float MF_SIGMA2_BOX = 0.083333333;
+
+// 1 / (2 pi): the Gaussian with the peak of a unit box (Tokuyoshi & Kaplanyan 2021). The default.
+const float MF_SIGMA2_PEAK = 0.15915494;
+
+// A standard deviation of half a pixel: twice that covers it (Kaplanyan et al. 2016; Tokuyoshi 2017).
+const float MF_SIGMA2_HALF = 0.25;
+
+// Most that is added to alpha^2 along an axis (Tokuyoshi 2017): beyond it a first-order kernel tells nothing.
+const float MF_KAPPA = 0.18;
+
+// Most of the half extent of a pixel in slopes (Kaplanyan et al. 2016; 0.1 to 1 are in use).
+const float MF_EXTENT_2016 = 0.7;
+
+// Least cosine that a half vector's slope is told for.
+const float MF_LEAST_HALF_COSINE = 0.02;
+
+// Derivative of the unit half vector h = (v + l) / |v + l| where the unit view v and light l change by dv and dl (per
+// pixel; both 0 for a distant viewer and light). 0 where v and l are opposite.
+vec3 mf_half_vector_derivative(vec3 v, vec3 l, vec3 dv, vec3 dl) {
+    vec3 sum = v + l;
+    float inverse = 1.0 / max(length(sum), 1.0e-6);
+    vec3 h = sum * inverse;
+    vec3 d = (dv + dl) * inverse;
+    return d - h * dot(h, d);
+}
+
+// Derivative of a unit vector's components along t and b where the vector h changes by dh and the frame (t, b, n) turns
+// with its normal, by dn and not about it; all per pixel and in one space. Of a half vector this is the derivative in the
+// projected space of Tokuyoshi & Kaplanyan 2019, sec. 4.
+vec2 mf_projected_derivative(vec3 h, vec3 dh, vec3 n, vec3 dn, vec3 t, vec3 b) {
+    float up = dot(h, n);
+    return vec2(dot(dh, t) - up * dot(dn, t), dot(dh, b) - up * dot(dn, b));
+}
+
+// Derivative of the slope -h.xy / h.z of a half vector h in the tangent frame, which changes by dh (per pixel): the space
+// of Kaplanyan et al. 2016, sec. 4. Grows as 1 / h.z^2 towards the horizon; h.z counts as MF_LEAST_HALF_COSINE at least.
+vec2 mf_slope_derivative(vec3 h, vec3 dh) {
+    float inverse = 1.0 / max(h.z, MF_LEAST_HALF_COSINE);
+    float share = dh.z * inverse;
+    return vec2(h.x * share - dh.x, h.y * share - dh.y) * inverse;
+}
+
+// The kernel's tensor K = 2 sigma2 (a a^T + b b^T) for derivatives a along screen x and b along y (per pixel) and a
+// Gaussian pixel of variance sigma2 (pixels^2): twice its covariance (Tokuyoshi & Kaplanyan 2021, eq. 3).
+vec3 mf_kernel(vec2 a, vec2 b, float sigma2) {
+    return 2.0 * sigma2 * vec3(a.x * a.x + b.x * b.x, a.x * a.y + b.x * b.y, a.y * a.y + b.y * b.y);
+}
+
+// The same of the rectangle along the tangent frame's axes that bounds the pixel, (|a| + |b|)^2 per axis: never less than
+// mf_kernel along these axes, and at most twice it (Kaplanyan et al. 2016; Tokuyoshi 2017).
+vec3 mf_kernel_rectangle(vec2 a, vec2 b, float sigma2) {
+    float x = abs(a.x) + abs(b.x);
+    float y = abs(a.y) + abs(b.y);
+    return 2.0 * sigma2 * vec3(x * x, 0.0, y * y);
+}
+
+// Half the trace of K for derivatives of unit normals, per pixel, in any space: what to add to the alpha^2 of a round lobe
+// (Tokuyoshi & Kaplanyan 2021, eq. 14).
+float mf_kernel_mean(vec3 dndx, vec3 dndy, float sigma2) {
+    return sigma2 * (dot(dndx, dndx) + dot(dndy, dndy));
+}
+
+// The trace of K: no axis of the kernel is wider (Tokuyoshi & Kaplanyan 2019, the isotropic kernel). Twice mf_kernel_mean.
+float mf_kernel_bound(vec3 dndx, vec3 dndy, float sigma2) {
+    return 2.0 * sigma2 * (dot(dndx, dndx) + dot(dndy, dndy));
+}
+
+// A kernel with no eigenvalue above kappa, axes kept; one that has none comes back as it is.
+vec3 mf_kernel_clamp(vec3 k, float kappa) {
+    float mean = 0.5 * (k.x + k.z);
+    float side = 0.5 * (k.x - k.z);
+    float spread = sqrt(side * side + k.y * k.y);
+    if (mean + spread <= kappa) {
+        return k;
+    }
+    float low = min(mean - spread, kappa);
+    float middle = 0.5 * (kappa + low);
+    float scale = 0.5 * (kappa - low) / max(spread, 1.0e-20);
+    return vec3(middle + side * scale, k.y * scale, middle - side * scale);
+}
+
+// A lobe's tensor r after the kernel k, added in slopes: R + K (Kaplanyan et al. 2016, the Beckmann proxy of GGX), with
+// no width above 1.
+vec3 mf_add_kernel(vec3 r, vec3 k) {
+    if (k.x + k.z <= 0.0) {
+        return r;
+    }
+    return mf_kernel_clamp(r + k, 1.0);
+}
+
+// The same for a round lobe, alpha^2 and half the trace of K.
+float mf_add_kernel_mean(float alpha2, float k) {
+    return min(alpha2 + k, 1.0);
+}
+
+// A lobe's tensor r (eigenvalues up to 1) after the kernel k, added in projected space: B' = B + K for B = R (I - R)^-1
+// (Tokuyoshi & Kaplanyan 2021, eq. 4 to 7). With P = I - R that is R' = R + P M P, M = (P + K^-1)^-1 (Woodbury): nothing
+// cancels or divides by 1 - alpha, no width reaches 1 that was below, and the determinant needs no clamp.
+vec3 mf_add_kernel_projected(vec3 r, vec3 k) {
+    vec3 p = vec3(1.0 - r.x, -r.y, 1.0 - r.z);
+    float det_k = max(k.x * k.z - k.y * k.y, 0.0);
+    float det_p = max(p.x * p.z - p.y * p.y, 0.0);
+    float inverse = 1.0 / (1.0 + det_k * det_p + max(k.x * p.x + 2.0 * k.y * p.y + k.z * p.z, 0.0));
+    vec3 m = inverse * vec3(k.x + det_k * p.z, k.y - det_k * p.y, k.z + det_k * p.x);
+    float xx = p.x * (p.x * m.x + p.y * m.y) + p.y * (p.x * m.y + p.y * m.z);
+    float xy = p.y * (p.x * m.x + p.y * m.y) + p.z * (p.x * m.y + p.y * m.z);
+    float yy = p.y * (p.y * m.x + p.z * m.y) + p.z * (p.y * m.y + p.z * m.z);
+    return vec3(r.x + xx, r.y + xy, r.z + yy);
+}
+
+// The same for a round lobe, alpha^2 up to 1 and half the trace of K: alpha^2 + (1 - alpha^2)^2 k / (1 + (1 - alpha^2) k).
+float mf_add_kernel_projected_mean(float alpha2, float k) {
+    float p = 1.0 - alpha2;
+    return alpha2 + p * p * k / (1.0 + p * k);
+}
+
+// Kaplanyan, Hill, Patney, Lefohn 2016 as published: the half extents (|a| + |b|) / 2 of the pixel in slopes, at most
+// extent (MF_EXTENT_2016), as a standard deviation. a and b are derivatives of the half vector's slopes.
+vec3 mf_aa_2016(vec3 r, vec2 a, vec2 b, float extent) {
+    float x = min(0.5 * (abs(a.x) + abs(b.x)), extent);
+    float y = min(0.5 * (abs(a.y) + abs(b.y)), extent);
+    return mf_add_kernel(r, 2.0 * vec3(x * x, 0.0, y * y));
+}
+
+// The same with the pixel's own parallelogram as a Gaussian, without a clamp (its sec. 5).
+vec3 mf_aa_2016_full(vec3 r, vec2 a, vec2 b, float sigma2) {
+    return mf_add_kernel(r, mf_kernel(a, b, sigma2));
+}
+
+// Tokuyoshi 2017 and Tokuyoshi & Kaplanyan 2019, axis-aligned: derivatives a and b of h.xy itself, in the tangent frame, in
+// place of slopes; at most kappa per axis. Published with MF_SIGMA2_HALF, in 2021 with MF_SIGMA2_PEAK; MF_KAPPA.
+vec3 mf_aa_2019_axes(vec3 r, vec2 a, vec2 b, float sigma2, float kappa) {
+    vec3 k = mf_kernel_rectangle(a, b, sigma2);
+    return mf_add_kernel(r, vec3(min(k.x, kappa), 0.0, min(k.z, kappa)));
+}
+
+// Tokuyoshi & Kaplanyan 2019, non-axis-aligned; the practical form of 2021, eq. 9. a and b are derivatives of h.xy.
+vec3 mf_aa_2019(vec3 r, vec2 a, vec2 b, float sigma2) {
+    return mf_add_kernel(r, mf_kernel(a, b, sigma2));
+}
+
+// Tokuyoshi & Kaplanyan 2019 for deferred shading: alpha^2 of a round lobe, and derivatives of interpolated normals, per
+// pixel. Adds the trace of K, at most kappa (MF_SIGMA2_HALF, MF_KAPPA).
+float mf_aa_2019_normals(float alpha2, vec3 dndx, vec3 dndy, float sigma2, float kappa) {
+    return mf_add_kernel_mean(alpha2, min(mf_kernel_bound(dndx, dndy, sigma2), kappa));
+}
+
+// Tokuyoshi & Kaplanyan 2021, added in projected space (listing 1). a and b are derivatives of h.xy in the tangent frame.
+// Needs no clamp: no width reaches 1.
+vec3 mf_aa_2021(vec3 r, vec2 a, vec2 b, float sigma2) {
+    return mf_add_kernel_projected(r, mf_kernel(a, b, sigma2));
+}
+
+// Tokuyoshi & Kaplanyan 2021 for deferred shading (listing 5): as mf_aa_2019_normals with half the trace, the mean of both
+// axes (MF_SIGMA2_PEAK, MF_KAPPA).
+float mf_aa_2021_normals(float alpha2, vec3 dndx, vec3 dndy, float sigma2, float kappa) {
+    return mf_add_kernel_mean(alpha2, min(mf_kernel_mean(dndx, dndy, sigma2), kappa));
+}
+
+#endif

@@ -1,0 +1,385 @@
+// Generated from kernels/wgsl/ndf.wgsl: change that file, not this one.
+// In GLSL ES, include it after `precision highp float;` and `precision highp int;`.
+#ifndef MF_NDF_GLSL
+#define MF_NDF_GLSL
+
+// Distributions of microfacet normals (GGX, Beckmann, Student-t), Smith's masking, and samples of them.
+// Needs: roughness
+//
+// m is a microfacet's normal: the half vector h = normalize(l + v) when shading. m, l and v are unit, in the tangent frame of
+// the lobe, z its normal. D is per steradian, with a mean of m.z of 1 over all m. P22 is the density of slopes
+// s = -m.xy / m.z, and D = P22 / m.z^4. A tensor R = (xx, xy, yy) holds squared widths (eigenvalues alpha^2). Widths count from
+// MF_SMOOTHEST. Entries of a tensor in f32 know its determinant to 1e-7 xx yy: turned between the axes, a lobe ten times as
+// wide as thin has its D to 5e-6, one a hundred times as wide, 5e-4.
+
+// A GGX lobe in the plane of the slopes seen from the surface, whatever its tilt: a Student-t density about a centre.
+struct MfSlopeLobe {
+    vec2 centre; // most frequent slope, along the surface's x and y
+    vec3 scatter; // xx, xy, yy: squared widths about it
+};
+
+// A lobe of one width.
+struct MfRoundLobe {
+    vec3 normal; // unit, in the surface's tangent frame
+    float alpha; // its width
+};
+
+// Cosines count from this where something is divided by them.
+const float MF_GRAZING = 1.0e-6;
+
+// Determinants count from this share of xx yy: below, they are rounding.
+const float MF_LEAST_DETERMINANT = 2.0e-7;
+
+// D of GGX from n.h, 0 to 1, and alpha: alpha^2 / (pi (1 + (alpha^2 - 1) (n.h)^2)^2) (Walter et al. 2007, eq. 33; Burley 2012),
+// with 1 - (n.h)^2 as a product. n.h in f32 is 1 for all angles up to 2e-4: for alpha below 0.01 take one of the next two.
+float mf_d_ggx(float n_h, float alpha) {
+    if (n_h <= 0.0) {
+        return 0.0;
+    }
+    float a = max(alpha, MF_SMOOTHEST);
+    float q = a / (max((1.0 - n_h) * (1.0 + n_h), 0.0) + a * a * n_h * n_h);
+    return q * q / MF_PI;
+}
+
+// The same from m in the tangent frame, where m.xy tells the smallest angles.
+float mf_d_ggx_tangent(vec3 m, float alpha) {
+    if (m.z <= 0.0) {
+        return 0.0;
+    }
+    float a = max(alpha, MF_SMOOTHEST);
+    float q = a / (m.x * m.x + m.y * m.y + a * a * m.z * m.z);
+    return q * q / MF_PI;
+}
+
+// The same from n and h in any one frame, sin^2 as |n x h|^2 (Filament does so for half floats). n x (h - n) is n x h without
+// the difference of large products.
+float mf_d_ggx_cross(vec3 n, vec3 h, float alpha) {
+    float n_h = dot(n, h);
+    if (n_h <= 0.0) {
+        return 0.0;
+    }
+    float a = max(alpha, MF_SMOOTHEST);
+    vec3 c = cross(n, h - n);
+    float q = a / (dot(c, c) + a * a * n_h * n_h);
+    return q * q / MF_PI;
+}
+
+// D of GGX from two widths, along x and y: 1 / (pi ax ay ((m.x / ax)^2 + (m.y / ay)^2 + m.z^2)^2) (Burley 2012, eq. 13).
+float mf_d_ggx_aniso(vec3 m, float alpha_x, float alpha_y) {
+    if (m.z <= 0.0) {
+        return 0.0;
+    }
+    float ax = max(alpha_x, MF_SMOOTHEST);
+    float ay = max(alpha_y, MF_SMOOTHEST);
+    float x = m.x / ax;
+    float y = m.y / ay;
+    float q = 1.0 / (x * x + y * y + m.z * m.z);
+    return q * q / (MF_PI * ax * ay);
+}
+
+// Determinant of a tensor, (alpha_x alpha_y)^2: at least MF_SMOOTHEST^4, and MF_LEAST_DETERMINANT of xx yy.
+float mf_tensor_determinant(vec3 r) {
+    float least = MF_SMOOTHEST * MF_SMOOTHEST;
+    float product = max(r.x, least) * max(r.z, least);
+    return max(product - r.y * r.y, MF_LEAST_DETERMINANT * product);
+}
+
+// p^T R p.
+float mf_tensor_form(vec3 r, vec2 p) {
+    return max(r.x * p.x * p.x + 2.0 * r.y * p.x * p.y + r.z * p.y * p.y, 0.0);
+}
+
+// p^T R^-1 p. As p.x^2 / xx and a square over the determinant, which loses less than the sum of three terms.
+float mf_tensor_inverse_form(vec3 r, vec2 p) {
+    float least = MF_SMOOTHEST * MF_SMOOTHEST;
+    float xx = max(r.x, least);
+    float yy = max(r.z, least);
+    float det = mf_tensor_determinant(r);
+    if (xx >= yy) {
+        float w = p.y - r.y / xx * p.x;
+        return p.x * p.x / xx + w * w * (xx / det);
+    }
+    float w = p.x - r.y / yy * p.y;
+    return p.y * p.y / yy + w * w * (yy / det);
+}
+
+// D of GGX from a tensor: 1 / (pi sqrt(det R) (m.xy^T R^-1 m.xy + m.z^2)^2).
+float mf_d_ggx_tensor(vec3 m, vec3 r) {
+    if (m.z <= 0.0) {
+        return 0.0;
+    }
+    float q = 1.0 / (mf_tensor_inverse_form(r, vec2(m.x, m.y)) + m.z * m.z);
+    return q * q / (MF_PI * sqrt(mf_tensor_determinant(r)));
+}
+
+// P22 of GGX at the slope s: 1 / (pi sqrt(det R) (1 + s^T R^-1 s)^2) (Heitz 2014, sec. 5.3).
+float mf_p22_ggx(vec2 s, vec3 r) {
+    float q = 1.0 / (1.0 + mf_tensor_inverse_form(r, s));
+    return q * q / (MF_PI * sqrt(mf_tensor_determinant(r)));
+}
+
+// P22 of Beckmann: exp(-s^T R^-1 s) / (pi sqrt(det R)) (Heitz 2014, sec. 5.2): Gaussian slopes of covariance R / 2.
+float mf_p22_beckmann(vec2 s, vec3 r) {
+    return exp(-mf_tensor_inverse_form(r, s)) / (MF_PI * sqrt(mf_tensor_determinant(r)));
+}
+
+// log(1 + x), x from 0. Small x by 2 artanh(x / (2 + x)), whose series is cut at 1e-8 of itself.
+float mf_log_one_plus(float x) {
+    if (x > 0.5) {
+        return log(1.0 + x);
+    }
+    float y = x / (2.0 + x);
+    float y2 = y * y;
+    return 2.0 * y * (1.0 + y2 * (0.33333333 + y2 * (0.2 + y2 * (0.14285714 + y2 * 0.11111111))));
+}
+
+// P22 of the Student-t lobe with the tail exponent gamma, above 1: (1 + s^T R^-1 s / (gamma - 1))^-gamma / (pi sqrt(det R))
+// (STD, Ribardiere et al. 2017). Steep slopes get rare as |s|^(-2 gamma): 2 is GGX, large values are Beckmann.
+float mf_p22_student(vec2 s, vec3 r, float gamma) {
+    float fall = gamma * mf_log_one_plus(mf_tensor_inverse_form(r, s) / (gamma - 1.0));
+    return exp(-fall) / (MF_PI * sqrt(mf_tensor_determinant(r)));
+}
+
+// D of Beckmann from a tensor: exp(-tan^2 / alpha^2) / (pi alpha^2 cos^4) in two widths (Walter et al. 2007, eq. 25).
+float mf_d_beckmann(vec3 m, vec3 r) {
+    if (m.z <= 0.0) {
+        return 0.0;
+    }
+    float z = max(m.z, MF_GRAZING);
+    return mf_p22_beckmann(vec2(m.x / z, m.y / z), r) / (z * z * z * z);
+}
+
+// D of the Student-t lobe. Below gamma 2 it grows without end towards the horizon: m.z counts from MF_GRAZING.
+float mf_d_student(vec3 m, vec3 r, float gamma) {
+    if (m.z <= 0.0) {
+        return 0.0;
+    }
+    float z = max(m.z, MF_GRAZING);
+    float q = mf_tensor_inverse_form(r, vec2(m.x / z, m.y / z));
+    float fall = gamma * mf_log_one_plus(q / (gamma - 1.0)) + 4.0 * log(z);
+    return exp(-fall) / (MF_PI * sqrt(mf_tensor_determinant(r)));
+}
+
+// The slope lobe of a GGX lobe with the normal n (unit, n.z above 0) and the tensor R in its bent frame: tangent t = +x made
+// orthogonal to n, bitangent b = n x t. From the lobe's ellipsoid S = n n^T + (t b) R (t b)^T (Heitz et al. 2015): S / S_zz =
+// [[P + u u^T, -u], [-u^T, 1]] for the centre u and the scatter P. P is made of cofactors of S, in which nothing cancels.
+MfSlopeLobe mf_slope_lobe(vec3 n, vec3 r) {
+    float root = sqrt(n.y * n.y + n.z * n.z);
+    vec3 t = vec3(0.0, 0.0, -1.0);
+    vec3 b = vec3(0.0, 1.0, 0.0);
+    if (root > MF_GRAZING) {
+        t = vec3(root, -n.x * n.y / root, -n.x * n.z / root);
+        b = vec3(0.0, n.z / root, -n.y / root);
+    }
+    vec2 rz = vec2(r.x * t.z + r.y * b.z, r.y * t.z + r.z * b.z);
+    float zz = max(n.z * n.z + t.z * rz.x + b.z * rz.y, MF_SMOOTHEST * MF_SMOOTHEST);
+    float det = mf_tensor_determinant(r);
+    float k = 1.0 / zz;
+    MfSlopeLobe o;
+    o.centre = vec2(-k * (n.x * n.z + t.x * rz.x + b.x * rz.y), -k * (n.y * n.z + t.y * rz.x + b.y * rz.y));
+    float xx = det * n.y * n.y + r.z * t.y * t.y - 2.0 * r.y * t.y * b.y + r.x * b.y * b.y;
+    float xy = det * n.x * n.y + r.z * t.x * t.y - r.y * (t.x * b.y + b.x * t.y) + r.x * b.x * b.y;
+    float yy = det * n.x * n.x + r.z * t.x * t.x - 2.0 * r.y * t.x * b.x + r.x * b.x * b.x;
+    o.scatter = k * k * vec3(xx, -xy, yy);
+    return o;
+}
+
+// The same for a lobe of one width, alpha up to 1.
+MfSlopeLobe mf_slope_lobe_round(vec3 n, float alpha) {
+    float a = max(alpha, MF_SMOOTHEST);
+    float rest = (1.0 - a) * (1.0 + a);
+    float zz = a * a + rest * n.z * n.z;
+    float k = rest * n.z / zz;
+    float scale = a * a / (zz * zz);
+    MfSlopeLobe o;
+    o.centre = vec2(-k * n.x, -k * n.y);
+    o.scatter = scale * vec3(zz + rest * n.x * n.x, rest * n.x * n.y, zz + rest * n.y * n.y);
+    return o;
+}
+
+// Back: the lobe of one width with these slopes, exact for those of one width up to 1. Of others, the normal is that of the
+// scatter along the tilt, and alpha the geometric mean. Along the tilt, tan 2 theta = 2 |u| / (1 - P_aa - |u|^2).
+MfRoundLobe mf_round_lobe(MfSlopeLobe lobe) {
+    float tilt = length(lobe.centre);
+    vec2 along = vec2(1.0, 0.0);
+    if (tilt > 0.0) {
+        along = lobe.centre / tilt;
+    }
+    float least = MF_SMOOTHEST * MF_SMOOTHEST;
+    float aa = max(mf_tensor_form(lobe.scatter, along), least);
+    float cc = max(mf_tensor_form(lobe.scatter, vec2(-along.y, along.x)), least);
+    float side = 1.0 - aa - tilt * tilt;
+    float spread = sqrt(side * side + 4.0 * tilt * tilt);
+    vec2 n = vec2(2.0 * tilt, spread + side);
+    if (side < 0.0) {
+        n = vec2(spread - side, 2.0 * tilt);
+    }
+    float inverse = inversesqrt(max(dot(n, n), 1.0e-30));
+    float largest = 0.5 * (1.0 + aa + tilt * tilt + spread);
+    MfRoundLobe o;
+    o.normal = vec3(-along.x * n.x * inverse, -along.y * n.x * inverse, n.y * inverse);
+    if (spread <= 0.0) {
+        o.normal = vec3(0.0, 0.0, 1.0);
+    }
+    o.alpha = sqrt(sqrt(aa * cc / largest) / largest);
+    return o;
+}
+
+// P22 of a slope lobe: 1 / (pi sqrt(det P) (1 + (s - u)^T P^-1 (s - u))^2).
+float mf_p22_slope_lobe(vec2 s, MfSlopeLobe lobe) {
+    return mf_p22_ggx(s - lobe.centre, lobe.scatter);
+}
+
+// D of a slope lobe, m in the surface's frame, for a mean of m.z of 1 there: P22 / m.z^4 without the division by m.z. The
+// lobe's own D, for the plane of its normal, is this times sqrt(S_zz) (S_zz as in mf_slope_lobe).
+float mf_d_slope_lobe(vec3 m, MfSlopeLobe lobe) {
+    if (m.z <= 0.0) {
+        return 0.0;
+    }
+    vec2 w = vec2(m.x + lobe.centre.x * m.z, m.y + lobe.centre.y * m.z);
+    float q = 1.0 / (mf_tensor_inverse_form(lobe.scatter, w) + m.z * m.z);
+    return q * q / (MF_PI * sqrt(mf_tensor_determinant(lobe.scatter)));
+}
+
+// Smith's Lambda of GGX: (sqrt(1 + v.xy^T R v.xy / v.z^2) - 1) / 2 (Heitz 2014, eq. 72 and 86), without the difference.
+float mf_lambda_ggx(vec3 v, vec3 r) {
+    float z = max(v.z, MF_GRAZING);
+    float t = mf_tensor_form(r, vec2(v.x, v.y)) / (z * z);
+    return 0.5 * t / (1.0 + sqrt(1.0 + t));
+}
+
+// The same from two widths, along x and y.
+float mf_lambda_ggx_aniso(vec3 v, float alpha_x, float alpha_y) {
+    return mf_lambda_ggx(v, vec3(alpha_x * alpha_x, 0.0, alpha_y * alpha_y));
+}
+
+// exp(x^2) erfc(x), x from 0, to 5e-6 of itself: a polynomial in t = 1 / (1 + 0.55 x), fitted.
+float mf_erfc_scaled(float x) {
+    float t = 1.0 / (1.0 + 0.55 * x);
+    float high = 0.13861866 + t * (0.17717712 + t * (-0.30184911 + t * 0.098847289));
+    return t * (0.31030417 + t * (0.31018776 + t * (0.26671837 + t * high)));
+}
+
+// Smith's Lambda of Beckmann: (erf(a) - 1) / 2 + exp(-a^2) / (2 a sqrt(pi)) with a = v.z / sqrt(v.xy^T R v.xy) (Heitz 2014,
+// sec. 5.2), to 3e-6 of 1 + Lambda.
+float mf_lambda_beckmann(vec3 v, vec3 r) {
+    float z = max(v.z, MF_GRAZING);
+    float width = sqrt(mf_tensor_form(r, vec2(v.x, v.y)));
+    if (width <= 0.1 * z) {
+        return 0.0;
+    }
+    float a = z / width;
+    return max(exp(-a * a) * (0.28209479 / a - 0.5 * mf_erfc_scaled(a)), 0.0);
+}
+
+// Smith's masking of one direction from its Lambda, 0 to 1 (Smith 1967).
+float mf_g1(float lambda) {
+    return 1.0 / (1.0 + lambda);
+}
+
+// Smith's masking and shadowing, height-correlated, from Lambda of view and light (Heitz 2014, eq. 99).
+float mf_g2(float lambda_v, float lambda_l) {
+    return 1.0 / (1.0 + lambda_v + lambda_l);
+}
+
+// V = G2 / (4 n.l n.v) of GGX, height-correlated, from n.l, n.v (0 to 1) and alpha (Lagarde & de Rousiers 2014, listing 2).
+float mf_v_smith_ggx(float n_l, float n_v, float alpha) {
+    float l = max(n_l, MF_GRAZING);
+    float v = max(n_v, MF_GRAZING);
+    float a = max(alpha, MF_SMOOTHEST);
+    float rest = (1.0 - a) * (1.0 + a);
+    return 0.5 / (l * sqrt(a * a + rest * v * v) + v * sqrt(a * a + rest * l * l));
+}
+
+// The same from two widths, along x and y (V_SmithJointGGXAniso: Heitz 2014, as in Lagarde 2017).
+float mf_v_smith_ggx_aniso(vec3 l, vec3 v, float alpha_x, float alpha_y) {
+    float ax = max(alpha_x, MF_SMOOTHEST);
+    float ay = max(alpha_y, MF_SMOOTHEST);
+    float lz = max(l.z, MF_GRAZING);
+    float vz = max(v.z, MF_GRAZING);
+    return 0.5 / (lz * length(vec3(ax * v.x, ay * v.y, vz)) + vz * length(vec3(ax * l.x, ay * l.y, lz)));
+}
+
+// The same from a tensor.
+float mf_v_smith_ggx_tensor(vec3 l, vec3 v, vec3 r) {
+    float lz = max(l.z, MF_GRAZING);
+    float vz = max(v.z, MF_GRAZING);
+    float sv = sqrt(mf_tensor_form(r, vec2(v.x, v.y)) + vz * vz);
+    return 0.5 / (lz * sv + vz * sqrt(mf_tensor_form(r, vec2(l.x, l.y)) + lz * lz));
+}
+
+// Area of a slope lobe's facets that v sees, over that of the surface: the mean of max(0, v.z - s.v.xy), which is
+// (c + sqrt(c^2 + v.xy^T P v.xy)) / 2 with c = v.z - u.v.xy (Dupuy et al. 2013). With the light as v it is their diffuse
+// irradiance without shadows.
+float mf_sigma_slope_lobe(vec3 v, MfSlopeLobe lobe) {
+    float c = v.z - lobe.centre.x * v.x - lobe.centre.y * v.y;
+    float form = mf_tensor_form(lobe.scatter, vec2(v.x, v.y));
+    float root = sqrt(c * c + form);
+    if (c < 0.0) {
+        return 0.5 * form / (root - c);
+    }
+    return 0.5 * (c + root);
+}
+
+// Smith's masking about the mean plane of a slope lobe, c / sigma; 0 from below that plane. v.z / sigma, which is also in use,
+// is above 1 where the plane faces away.
+float mf_g1_slope_lobe(vec3 v, MfSlopeLobe lobe) {
+    float c = v.z - lobe.centre.x * v.x - lobe.centre.y * v.y;
+    if (c <= 0.0) {
+        return 0.0;
+    }
+    return c / mf_sigma_slope_lobe(v, lobe);
+}
+
+// V of a slope lobe: G2 / (4 c_l c_v) with c = v.z - u.v.xy in the place of cosines; 0 from below the mean plane. Reflected
+// radiance is F D V c_l times the light's irradiance, with mf_d_slope_lobe.
+float mf_v_smith_slope_lobe(vec3 l, vec3 v, MfSlopeLobe lobe) {
+    float cl = l.z - lobe.centre.x * l.x - lobe.centre.y * l.y;
+    float cv = v.z - lobe.centre.x * v.x - lobe.centre.y * v.y;
+    if (cl <= 0.0 || cv <= 0.0) {
+        return 0.0;
+    }
+    return mf_v_smith_ggx_tensor(vec3(l.x, l.y, cl), vec3(v.x, v.y, cv), lobe.scatter);
+}
+
+// m drawn from GGX with the density mf_pdf_ggx, from two uniform numbers 0 to 1 (Walter et al. 2007, eq. 35, 36, stretched).
+vec3 mf_sample_ggx(vec2 u, float alpha_x, float alpha_y) {
+    float ax = max(alpha_x, MF_SMOOTHEST);
+    float ay = max(alpha_y, MF_SMOOTHEST);
+    float radius = sqrt(u.x);
+    float angle = 2.0 * MF_PI * u.y;
+    return normalize(vec3(ax * radius * cos(angle), ay * radius * sin(angle), sqrt(1.0 - u.x)));
+}
+
+// Its density per steradian of m: D m.z. Of l, divide by 4 v.m.
+float mf_pdf_ggx(vec3 m, float alpha_x, float alpha_y) {
+    return mf_d_ggx_aniso(m, alpha_x, alpha_y) * max(m.z, 0.0);
+}
+
+// m drawn from the GGX normals that v sees (v.z from 0), with the density mf_pdf_ggx_visible: a point of a spherical cap, u.x
+// its height and u.y its angle, plus v, both where the lobe is a sphere (Dupuy & Benyoub 2023).
+vec3 mf_sample_ggx_visible(vec2 u, vec3 v, float alpha_x, float alpha_y) {
+    float ax = max(alpha_x, MF_SMOOTHEST);
+    float ay = max(alpha_y, MF_SMOOTHEST);
+    vec3 stretched = vec3(ax * v.x, ay * v.y, max(v.z, 0.0));
+    vec3 s = stretched * inversesqrt(max(dot(stretched, stretched), 1.0e-16));
+    // z of the cap's point is high - s.z; its radius without a difference from 1.
+    float high = (1.0 - u.x) * (1.0 + s.z);
+    float below = (s.x * s.x + s.y * s.y) / (1.0 + s.z);
+    float radius = sqrt(u.x * (1.0 + s.z) * (high + below));
+    float angle = 2.0 * MF_PI * u.y;
+    vec3 m = vec3(ax * (radius * cos(angle) + s.x), ay * (radius * sin(angle) + s.y), high);
+    return m * inversesqrt(max(dot(m, m), 1.0e-30));
+}
+
+// Its density per steradian of m: D max(0, v.m) / sigma with sigma = (v.z + sqrt(v.z^2 + v.xy^T R v.xy)) / 2, which is
+// G1 D max(0, v.m) / v.z (Heitz 2014, sec. 2). Of l, divide by 4 v.m.
+float mf_pdf_ggx_visible(vec3 m, vec3 v, float alpha_x, float alpha_y) {
+    float ax = max(alpha_x, MF_SMOOTHEST);
+    float ay = max(alpha_y, MF_SMOOTHEST);
+    float vz = max(v.z, 0.0);
+    float sigma = 0.5 * (vz + length(vec3(ax * v.x, ay * v.y, vz)));
+    return mf_d_ggx_aniso(m, ax, ay) * max(dot(v, m), 0.0) / max(sigma, 1.0e-8);
+}
+
+#endif

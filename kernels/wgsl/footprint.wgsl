@@ -1,0 +1,113 @@
+// The lobe to shade a pixel with: the mip chain's lobe, widened by what the pixel sees beyond it, with no variance counted
+// twice.
+// Needs: moments, geometric_aa
+//
+// What a pixel sees of a surface varies for two reasons. The mesh curves under it: that is in no texture, and is added in
+// full. And the normal map varies: within a texel, which the mip chain has folded into the lobe already, and from texel to
+// texel, which an interpolated lobe does not hold, for the GPU interpolates normals and widths apart from each other. Of
+// normals that change steadily by a per pixel, a pixel's filter of variance sigma2 sees the variance sigma2 a a^T in all. The
+// texels, boxes w pixels wide, have folded w^2 / 12 a a^T of that: the rest is what derivatives of the normal map may add. Say
+// K is the kernel of these derivatives, O = K w^2 / (12 sigma2) its part within a texel, and V = R - base what was folded.
+// The chain tells V + (K - O) of the whole, the derivatives tell K; each may miss some, so that the pixel gets the tensor of
+// least trace that is below neither:
+//     added = (K - O) + positive part of (O - V)
+// Where the chain has folded the change (V above O), this adds K - O; where it has not (level 0), K; never less than the
+// former, nor in the mean of both axes more than the latter. For steady change it is exact. On random normal maps, from smooth
+// to noise, the variance comes out within 12 percent of a pixel's at full size, where the chain alone holds 0.53 to 0.8 of it
+// and the sum of both up to 1.48.
+//
+// 1. Decode the lobe: moments.
+// 2. Fill an MfFootprint. dndx, dndy: screen derivatives of the interpolated mesh normal. dmdx, dmdy: of the decoded normal in
+//    the tangent frame (that of the lobe itself), or 0 to leave the change from texel to texel out. All in the tangent frame:
+//    (dot(d, tangent), dot(d, bitangent), dot(d, normal)).
+//    A deferred renderer that has the shading normal alone passes its derivatives as dm, and 0 as dn. The share
+//    w^2 / (12 sigma2) of the mesh's curvature is then taken for folded where the map is rough enough to hold it.
+// 3. mf_footprint_normals, or mf_footprint_half_vectors once for each light.
+// 4. Shade with the lobe; multiply its D by the glint ratio g if there is one (E[g] = 1); the mask and the shadow keep the
+//    lobe. For diffuse light: mf_diffuse_cosine.
+//
+// Derivatives that are 0 give the chain's lobe back, bit by bit.
+
+// What is known of a pixel.
+struct MfFootprint {
+    normal: vec3f, // of the mip chain's lobe: unit, in the surface's tangent frame
+    tensor: vec3f, // its roughness tensor (xx, xy, yy) in its bent frame, widths up to 1
+    base: vec3f, // the material's own tensor before folding, or 0: all of the tensor counts as folded then
+    dndx: vec3f, // derivative of the mesh normal, or of the half vector, along screen x, per pixel
+    dndy: vec3f, // the same along screen y
+    dmdx: vec3f, // derivative of the lobe's normal in the tangent frame, along screen x, per pixel
+    dmdy: vec3f, // the same along screen y
+    sigma2: f32, // variance of the pixel's filter, pixels^2: MF_SIGMA2_PEAK
+    kappa: f32, // most that either source adds to alpha^2: MF_KAPPA
+    texel: f32, // width of a texel in pixels: 1 for mip levels that the GPU chose, 0 at level 0 and above it
+}
+
+// Components of d along the bent frame of the unit normal n: the +u axis made orthogonal to n (-z where n is that axis), and
+// n x that.
+fn mf_bent_components(n: vec3f, d: vec3f) -> vec2f {
+    let root: f32 = sqrt(n.y * n.y + n.z * n.z);
+    if (root < 1.0e-6) {
+        return vec2f(-d.z, d.y * sign(n.x));
+    }
+    let across: f32 = (n.y * d.y + n.z * d.z) / root;
+    return vec2f(root * d.x - n.x * across, (n.z * d.y - n.y * d.z) / root);
+}
+
+// By how much the lobe's normal n turns where the mesh normal, z in the tangent frame, turns by dn (its x and y count) and
+// the frame does not turn about it: (z x dn) x n.
+fn mf_carried_derivative(n: vec3f, dn: vec3f) -> vec3f {
+    return vec3f(dn.x * n.z, dn.y * n.z, -(dn.x * n.x + dn.y * n.y));
+}
+
+// The share of a steady change that texels of this width (pixels) have folded, under a pixel's filter of variance sigma2
+// (pixels^2): w^2 / (12 sigma2), 0 to 1.
+fn mf_folded_share(sigma2: f32, texel: f32) -> f32 {
+    return min(texel * texel / max(12.0 * sigma2, 1.0e-12), 1.0);
+}
+
+// What a kernel k of the normal map's derivatives adds to a lobe that holds `folded` (V, xx, xy, yy) already, where the fold
+// holds a share (0 to 1) of steady change: (1 - share) K + positive part of (share K - V).
+fn mf_residual_kernel(k: vec3f, folded: vec3f, share: f32) -> vec3f {
+    if (k.x + k.z <= 0.0) {
+        return vec3f(0.0, 0.0, 0.0);
+    }
+    return (1.0 - share) * k + mf_tensor_positive(share * k - mf_tensor_positive(folded));
+}
+
+// The lobe with a kernel of the mesh (a, b along screen x and y, in the lobe's bent frame) and one of the normal map added in
+// projected space.
+fn mf_footprint_lobe(f: MfFootprint, a: vec2f, b: vec2f) -> MfLobe {
+    let mesh: vec3f = mf_kernel_clamp(mf_kernel(a, b, f.sigma2), f.kappa);
+    let c: vec2f = mf_bent_components(f.normal, f.dmdx);
+    let d: vec2f = mf_bent_components(f.normal, f.dmdy);
+    let map: vec3f = mf_kernel_clamp(mf_kernel(c, d, f.sigma2), f.kappa);
+    let more: vec3f = mf_residual_kernel(map, f.tensor - f.base, mf_folded_share(f.sigma2, f.texel));
+    var o: MfLobe;
+    o.normal = f.normal;
+    o.tensor = mf_add_kernel_projected(f.tensor, mesh + more);
+    return o;
+}
+
+// The lobe to shade with, for all lights: dndx and dndy are derivatives of the mesh normal.
+fn mf_footprint_normals(f: MfFootprint) -> MfLobe {
+    let a: vec3f = mf_carried_derivative(f.normal, f.dndx);
+    let b: vec3f = mf_carried_derivative(f.normal, f.dndy);
+    return mf_footprint_lobe(f, mf_bent_components(f.normal, a), mf_bent_components(f.normal, b));
+}
+
+// The lobe to shade one light with, near lights and viewers too: dndx and dndy are derivatives of the half vector's
+// components in the mesh's tangent frame (not in one that follows the normal map), which turn with the mesh.
+fn mf_footprint_half_vectors(f: MfFootprint) -> MfLobe {
+    return mf_footprint_lobe(f, mf_bent_components(f.normal, f.dndx), mf_bent_components(f.normal, f.dndy));
+}
+
+// The cosine of diffuse light for a mip level, in place of max(0, dot(n, l)): scale r is the `diffuse` map's value, the length
+// of the mean normal (0 to 1), cosine = dot(n, l) (-1 to 1). r cosine for light from above, softened at the terminator, where
+// some of the bumps still see the light: the mean of max(0, x) over a logistic x of mean r cosine and variance
+// (1 - r^2) (1 - cosine^2) / 2.
+fn mf_diffuse_cosine(scale: f32, cosine: f32) -> f32 {
+    let mean: f32 = scale * cosine;
+    let variance: f32 = 0.5 * (1.0 - scale) * (1.0 + scale) * (1.0 - cosine) * (1.0 + cosine);
+    let tau: f32 = sqrt(max(variance, 1.0e-12)) / 1.7375;
+    return max(mean, 0.0) + tau * log(1.0 + exp(-abs(mean) / tau));
+}

@@ -1,0 +1,132 @@
+//! Numbers out of buffers (glTF 2.0, 3.6.2). Nothing is allocated before its bytes are known to be there.
+
+use std::borrow::Cow;
+use std::path::Path;
+
+use super::document::{Accessor, Document};
+use super::item;
+use crate::error::{Error, Result};
+
+/// A file's accessors.
+pub(super) struct Reader<'a> {
+    pub path: &'a Path,
+    pub document: &'a Document,
+    pub buffers: &'a [Cow<'a, [u8]>],
+}
+
+/// The elements of an accessor, `stride` bytes apart.
+struct Elements<'a> {
+    bytes: &'a [u8],
+    stride: usize,
+    count: usize,
+    component: Component,
+    normalized: bool,
+}
+
+#[derive(Clone, Copy, PartialEq)]
+enum Component {
+    I8,
+    U8,
+    I16,
+    U16,
+    U32,
+    F32,
+}
+
+impl Component {
+    fn size(self) -> usize {
+        match self {
+            Component::I8 | Component::U8 => 1,
+            Component::I16 | Component::U16 => 2,
+            Component::U32 | Component::F32 => 4,
+        }
+    }
+}
+
+impl Reader<'_> {
+    /// Vectors of N numbers. Integers that stand for 0..1 or -1..1 are scaled (`KHR_mesh_quantization` allows others).
+    pub fn floats<const N: usize>(&self, index: usize) -> Result<Vec<[f32; N]>> {
+        let shape = if N == 3 { "VEC3" } else { "VEC2" };
+        let e = self.elements(index, shape, N)?;
+        let size = e.component.size();
+        let scale = |most: f32| if e.normalized { 1.0 / most } else { 1.0 };
+        let number = |b: &[u8]| match e.component {
+            Component::I8 => (f32::from(b[0] as i8) * scale(127.0)).max(if e.normalized { -1.0 } else { f32::MIN }),
+            Component::U8 => f32::from(b[0]) * scale(255.0),
+            Component::I16 => (f32::from(i16::from_le_bytes([b[0], b[1]])) * scale(32767.0)).max(if e.normalized {
+                -1.0
+            } else {
+                f32::MIN
+            }),
+            Component::U16 => f32::from(u16::from_le_bytes([b[0], b[1]])) * scale(65535.0),
+            Component::U32 => u32::from_le_bytes([b[0], b[1], b[2], b[3]]) as f32,
+            Component::F32 => f32::from_le_bytes([b[0], b[1], b[2], b[3]]),
+        };
+        let element = |i: usize| {
+            let bytes = &e.bytes[i * e.stride..];
+            std::array::from_fn(|k| number(&bytes[k * size..]))
+        };
+        Ok((0..e.count).map(element).collect())
+    }
+
+    /// Vertex indices.
+    pub fn indices(&self, index: usize) -> Result<Vec<u32>> {
+        let e = self.elements(index, "SCALAR", 1)?;
+        let number = |b: &[u8]| match e.component {
+            Component::U8 => Some(u32::from(b[0])),
+            Component::U16 => Some(u32::from(u16::from_le_bytes([b[0], b[1]]))),
+            Component::U32 => Some(u32::from_le_bytes([b[0], b[1], b[2], b[3]])),
+            _ => None,
+        };
+        (0..e.count).map(|i| number(&e.bytes[i * e.stride..])).collect::<Option<_>>().ok_or_else(|| {
+            let found = format!("accessor {index} of signed or float indices");
+            Error::invalid(self.path, found, "unsigned indices")
+        })
+    }
+
+    fn elements(&self, index: usize, shape: &str, numbers: usize) -> Result<Elements<'_>> {
+        let a: &Accessor = item(self.path, &self.document.accessors, index, "accessor")?;
+        let wrong = |found: String, expected: String| Error::invalid(self.path, found, expected);
+        if a.shape != shape {
+            return Err(wrong(format!("accessor {index} of type {}", a.shape), format!("{shape} there")));
+        }
+        if a.sparse.is_some() {
+            return Err(Error::unsupported(self.path, format!("sparse accessor {index}"), "accessors of plain values"));
+        }
+        let Some(view) = a.buffer_view else {
+            return Err(Error::unsupported(self.path, format!("accessor {index} without data"), "buffer views"));
+        };
+        let component = match a.component_type {
+            5120 => Component::I8,
+            5121 => Component::U8,
+            5122 => Component::I16,
+            5123 => Component::U16,
+            5125 => Component::U32,
+            5126 => Component::F32,
+            other => return Err(wrong(format!("component type {other} in accessor {index}"), "5120 to 5126".into())),
+        };
+        let view_index = view;
+        let view = item(self.path, &self.document.buffer_views, view, "buffer view")?;
+        let buffer = item(self.path, self.buffers, view.buffer, "buffer")?;
+        let bytes = range(buffer, view.byte_offset, view.byte_length).ok_or_else(|| {
+            let found = format!("buffer view {view_index}: {} bytes from byte {}", view.byte_length, view.byte_offset);
+            wrong(found, format!("a place inside the {} bytes of buffer {}", buffer.len(), view.buffer))
+        })?;
+        let size = (component.size() * numbers) as u64;
+        let stride = view.byte_stride.unwrap_or(size);
+        let end = a.count.saturating_sub(1).checked_mul(stride).and_then(|last| last.checked_add(size));
+        let length = if a.count == 0 { Some(0) } else { end };
+        let inside = length.and_then(|length| range(bytes, a.byte_offset, length)).filter(|_| stride >= size);
+        let bytes = inside.ok_or_else(|| {
+            let found = format!("accessor {index}: {} elements of {size} bytes, {stride} apart", a.count);
+            wrong(found, format!("a place inside the {} bytes of buffer view {view_index}", bytes.len()))
+        })?;
+        let (stride, count) = (stride as usize, a.count as usize);
+        Ok(Elements { bytes, stride, count, component, normalized: a.normalized })
+    }
+}
+
+fn range(bytes: &[u8], offset: u64, length: u64) -> Option<&[u8]> {
+    let (offset, length) = (usize::try_from(offset).ok()?, usize::try_from(length).ok()?);
+    bytes.get(offset..)?.get(..length)
+}
