@@ -138,7 +138,8 @@ mod tests {
             let files = std::fs::read_dir(root.join(ending)).unwrap().map(|file| file.unwrap().path());
             let mut found: Vec<_> = files.map(|file| file.file_stem().unwrap().to_str().unwrap().to_owned()).collect();
             let mut listed: Vec<_> = KERNELS.iter().map(|kernel| kernel.name).collect();
-            (found.sort(), listed.sort_unstable());
+            found.sort();
+            listed.sort_unstable();
             assert_eq!(found, listed, "{ending}");
         }
         for kernel in KERNELS {

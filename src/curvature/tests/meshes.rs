@@ -14,6 +14,7 @@ fn mesh(name: &str) -> Option<Mesh> {
     let folder = std::env::var_os("MIPFOLD_MESHES").map_or_else(|| PathBuf::from("../shared/meshes"), PathBuf::from);
     let path = folder.join(name);
     if !path.exists() {
+        assert!(std::env::var_os("MIPFOLD_NO_SKIP").is_none(), "no {}, and MIPFOLD_NO_SKIP is set", path.display());
         eprintln!("SKIPPED: no {}; MIPFOLD_MESHES names the folder of meshes", path.display());
         return None;
     }
