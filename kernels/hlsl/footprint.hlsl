@@ -4,7 +4,7 @@
 
 // The lobe to shade a pixel with: the mip chain's lobe, widened by what the pixel sees beyond it, with no variance counted
 // twice.
-// Needs: moments, geometric_aa
+// Needs: moments, geometric_aa, shading
 //
 // What a pixel sees of a surface varies for two reasons. The mesh curves under it: that is in no texture, and is added in
 // full. And the normal map varies: within a texel, which the mip chain has folded into the lobe already, and from texel to
@@ -27,8 +27,8 @@
 //    A deferred renderer that has the shading normal alone passes its derivatives as dm, and 0 as dn. The share
 //    w^2 / (12 sigma2) of the mesh's curvature is then taken for folded where the map is rough enough to hold it.
 // 3. mf_footprint_normals, or mf_footprint_half_vectors once for each light.
-// 4. Shade with the lobe; multiply its D by the glint ratio g if there is one (E[g] = 1); the mask and the shadow keep the
-//    lobe. For diffuse light: mf_diffuse_cosine.
+// 4. Shade each light with mf_footprint_shade, or with your own BRDF: D and V of the lobe's tensor, of a glint ratio g (mean 1)
+//    times D alone, and mf_diffuse_cosine for diffuse light. Of a mixture, each lobe by itself, and the sum by weights.
 //
 // Derivatives that are 0 give the chain's lobe back, bit by bit.
 
@@ -114,6 +114,28 @@ float mf_diffuse_cosine(float scale, float cosine) {
     float variance = 0.5 * (1.0 - scale) * (1.0 + scale) * (1.0 - cosine) * (1.0 + cosine);
     float tau = sqrt(max(variance, 1.0e-12)) / 1.7375;
     return max(mean, 0.0) + tau * log(1.0 + exp(-abs(mean) / tau));
+}
+
+// Light that a pixel reflects from one direction, times that light's irradiance.
+struct MfReflection {
+    float3 specular; // F D V n.l
+    float diffuse; // in place of n.l: times albedo / pi
+};
+
+// What a lobe reflects of one light: unit view v and light l in the surface's tangent frame; f0: reflectance at normal
+// incidence; glint: a ratio by which this pixel's D differs from its mean, as of a glint model, 1 for none; scale: the `diffuse`
+// map's value, 1 for none. GGX with height-correlated Smith masking of the same lobe (shading). Nothing specular below the
+// lobe's own horizon.
+MfReflection mf_footprint_shade(MfLobe lobe, float3 v, float3 l, float3 f0, float glint, float scale) {
+    float n_l = dot(lobe.normal, l);
+    float2 a = mf_bent_components(lobe.normal, v);
+    float2 b = mf_bent_components(lobe.normal, l);
+    float3 local_v = float3(a.x, a.y, dot(lobe.normal, v));
+    float3 local_l = float3(b.x, b.y, n_l);
+    MfReflection o;
+    o.specular = (glint * max(n_l, 0.0)) * mf_specular_ggx_tensor(local_l, local_v, f0, lobe.tensor);
+    o.diffuse = mf_diffuse_cosine(scale, n_l);
+    return o;
 }
 
 #endif

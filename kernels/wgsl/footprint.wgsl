@@ -1,6 +1,6 @@
 // The lobe to shade a pixel with: the mip chain's lobe, widened by what the pixel sees beyond it, with no variance counted
 // twice.
-// Needs: moments, geometric_aa
+// Needs: moments, geometric_aa, shading
 //
 // What a pixel sees of a surface varies for two reasons. The mesh curves under it: that is in no texture, and is added in
 // full. And the normal map varies: within a texel, which the mip chain has folded into the lobe already, and from texel to
@@ -23,8 +23,8 @@
 //    A deferred renderer that has the shading normal alone passes its derivatives as dm, and 0 as dn. The share
 //    w^2 / (12 sigma2) of the mesh's curvature is then taken for folded where the map is rough enough to hold it.
 // 3. mf_footprint_normals, or mf_footprint_half_vectors once for each light.
-// 4. Shade with the lobe; multiply its D by the glint ratio g if there is one (E[g] = 1); the mask and the shadow keep the
-//    lobe. For diffuse light: mf_diffuse_cosine.
+// 4. Shade each light with mf_footprint_shade, or with your own BRDF: D and V of the lobe's tensor, of a glint ratio g (mean 1)
+//    times D alone, and mf_diffuse_cosine for diffuse light. Of a mixture, each lobe by itself, and the sum by weights.
 //
 // Derivatives that are 0 give the chain's lobe back, bit by bit.
 
@@ -110,4 +110,26 @@ fn mf_diffuse_cosine(scale: f32, cosine: f32) -> f32 {
     let variance: f32 = 0.5 * (1.0 - scale) * (1.0 + scale) * (1.0 - cosine) * (1.0 + cosine);
     let tau: f32 = sqrt(max(variance, 1.0e-12)) / 1.7375;
     return max(mean, 0.0) + tau * log(1.0 + exp(-abs(mean) / tau));
+}
+
+// Light that a pixel reflects from one direction, times that light's irradiance.
+struct MfReflection {
+    specular: vec3f, // F D V n.l
+    diffuse: f32, // in place of n.l: times albedo / pi
+}
+
+// What a lobe reflects of one light: unit view v and light l in the surface's tangent frame; f0: reflectance at normal
+// incidence; glint: a ratio by which this pixel's D differs from its mean, as of a glint model, 1 for none; scale: the `diffuse`
+// map's value, 1 for none. GGX with height-correlated Smith masking of the same lobe (shading). Nothing specular below the
+// lobe's own horizon.
+fn mf_footprint_shade(lobe: MfLobe, v: vec3f, l: vec3f, f0: vec3f, glint: f32, scale: f32) -> MfReflection {
+    let n_l: f32 = dot(lobe.normal, l);
+    let a: vec2f = mf_bent_components(lobe.normal, v);
+    let b: vec2f = mf_bent_components(lobe.normal, l);
+    let local_v: vec3f = vec3f(a.x, a.y, dot(lobe.normal, v));
+    let local_l: vec3f = vec3f(b.x, b.y, n_l);
+    var o: MfReflection;
+    o.specular = (glint * max(n_l, 0.0)) * mf_specular_ggx_tensor(local_l, local_v, f0, lobe.tensor);
+    o.diffuse = mf_diffuse_cosine(scale, n_l);
+    return o;
 }

@@ -306,8 +306,9 @@ fn mf_normal_share(x: f32) -> f32 {
 }
 
 // Mean of max(0, v.z - s . v.xy) over Gaussian slopes s with these moments: the area that faces v over that of the mean
-// plane, and with the light as v the irradiance of the facets (Dupuy et al. 2013, projected area of a non-centred Beckmann
-// surface; c Phi(c / tau) + tau phi(c / tau)). v unit; less than MF_LEAST_SLOPE_COSINE above the mean plane counts as that.
+// plane (Dupuy et al. 2013, projected area of a non-centred Beckmann surface; c Phi(c / tau) + tau phi(c / tau)). For light,
+// which may come from below, take mf_diffuse_gaussian of shading. v unit; less than MF_LEAST_SLOPE_COSINE above the mean plane
+// counts as that.
 fn mf_slope_cosine(m: MfMoments, v: vec3f) -> f32 {
     let c: f32 = max(v.z - dot(m.mean, vec2f(v.x, v.y)), MF_LEAST_SLOPE_COSINE);
     let form: f32 = m.covariance.x * v.x * v.x + 2.0 * m.covariance.y * v.x * v.y + m.covariance.z * v.y * v.y;

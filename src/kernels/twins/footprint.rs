@@ -4,6 +4,7 @@ use glam::{DVec2, DVec3};
 
 use super::geometric_aa::{add_kernel_projected, kernel, kernel_clamp};
 use super::moments::{Lobe, bent, tensor_positive};
+use super::shading::specular_ggx_tensor;
 
 /// What is known of a pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -82,6 +83,23 @@ pub fn diffuse_cosine(scale: f64, cosine: f64) -> f64 {
     let variance = 0.5 * (1.0 - scale * scale) * (1.0 - cosine * cosine);
     let (mean, tau) = (scale * cosine, variance.max(1e-12).sqrt() / 1.7375);
     mean.max(0.0) + tau * (-mean.abs() / tau).exp().ln_1p()
+}
+
+/// Light that a pixel reflects from one direction.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reflection {
+    /// `F D V n.l`.
+    pub specular: DVec3,
+    /// In place of `n.l`.
+    pub diffuse: f64,
+}
+
+/// GGX with height-correlated Smith masking, D times the glint ratio; and the softened cosine.
+pub fn footprint_shade(lobe: Lobe, v: DVec3, l: DVec3, f0: DVec3, glint: f64, scale: f64) -> Reflection {
+    let local = |d: DVec3| bent_components(lobe.normal, d).extend(d.dot(lobe.normal));
+    let (v, l) = (local(v), local(l));
+    let specular = glint * l.z.max(0.0) * specular_ggx_tensor(l, v, f0, lobe.tensor);
+    Reflection { specular, diffuse: diffuse_cosine(scale, l.z) }
 }
 
 #[cfg(test)]

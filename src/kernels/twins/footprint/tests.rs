@@ -205,3 +205,20 @@ fn the_diffuse_cosine_meets_its_limits() {
     assert!((truth - 0.1549).abs() < 1e-4 && (own - truth).abs() < 0.002, "{own} {truth}");
     assert!(truth > 1.7 * 85f64.to_radians().cos(), "a hard terminator takes off almost half");
 }
+
+/// A glint ratio scales what is specular and leaves the rest; light and view may be exchanged; nothing comes from below.
+#[test]
+fn a_lobe_is_shaded_reciprocally() {
+    let mut random = Random(6);
+    for _ in 0..200 {
+        let (normal, v, l, f0) = (random.normal(), random.normal(), random.normal(), DVec3::new(0.04, 0.5, 1.0));
+        let lobe = Lobe { normal, tensor: random.tensor() };
+        let (one, other) = (footprint_shade(lobe, v, l, f0, 1.0, 0.9), footprint_shade(lobe, l, v, f0, 1.0, 0.9));
+        let (back, forth) = (one.specular * normal.dot(v).max(0.0), other.specular * normal.dot(l).max(0.0));
+        assert!((back - forth).length() <= 1e-12 * one.specular.length().max(1.0));
+        let glint = footprint_shade(lobe, v, l, f0, 2.5, 0.9);
+        assert!((glint.specular - 2.5 * one.specular).length() <= 1e-12 * glint.specular.length());
+        assert_eq!(glint.diffuse, one.diffuse);
+        assert_eq!(footprint_shade(lobe, v, -normal, f0, 1.0, 1.0).specular, DVec3::ZERO);
+    }
+}
