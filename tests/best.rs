@@ -1,7 +1,7 @@
 //! How close the folds come to the best that a single GGX lobe can do: of texels of real maps the lobe of least lobe error
 //! is searched by brute force, in f64, against the exact footprint.
 //!
-//! `cargo test --test best -- --ignored --nocapture`; what begins with `sample_` takes half a minute, all of it ten.
+//! `cargo test --test best -- --ignored --nocapture`; what begins with `sample_` takes a minute, all of it twelve.
 #![allow(clippy::print_stdout)]
 
 mod common;
@@ -345,13 +345,13 @@ fn compare(maps: &[&str], alphas: &[Option<f32>], squares: usize) {
 }
 
 #[test]
-#[ignore = "half a minute; .ci/run does it"]
+#[ignore = "a minute; .ci/run does it"]
 fn sample_of_maps() {
     compare(&["bark014", "tiles107", "brushed_metal009"], &[Some(0.1), Some(0.4)], 2);
 }
 
 #[test]
-#[ignore = "ten minutes"]
+#[ignore = "twelve minutes"]
 fn all_maps() {
     const MAPS: [&str; 10] = [
         "bark014",
