@@ -30,7 +30,7 @@ const TEXELS: usize = 16;
 /// Folds of mixtures, their lobes, and their errors over that of the best single lobe, at most: at a constant alpha, and at the
 /// maps' own roughness, where the mean is that of one map of mirrors, all turned differently.
 const MIXTURES: [(&str, usize, [f64; 2]); 4] =
-    [("ggx", 2, [0.85, 0.92]), ("ggx", 4, [0.6, 0.66]), ("ggx-lobe", 2, [0.75, 0.75]), ("ggx-lobe", 4, [0.5, 0.55])];
+    [("ggx", 2, [0.85, 0.92]), ("ggx", 4, [0.5, 0.66]), ("ggx-lobe", 2, [0.75, 0.75]), ("ggx-lobe", 4, [0.42, 0.52])];
 
 /// A square of a map, with its own roughness or a constant alpha.
 struct Square<'a> {

@@ -56,11 +56,12 @@ const float MF_LEAST_SLOPE_COSINE = 1.0e-4;
 const float MF_LARGEST_ENERGY = 2.5;
 
 // Unit normal from components -1 to 1 as OpenEXR files hold them. y_sign: 1 for OpenGL maps (green up), -1 for DirectX maps;
-// scale: the material's normal scale (glTF normalTexture.scale), 1 for none. Straight up where there is no direction.
+// scale: the material's normal scale (glTF normalTexture.scale), 1 for none. Straight up where n is no longer than 0.1, as mid-gray of
+// 8 bits is: that has no direction, and `mipfold build` reads it so too.
 vec3 mf_decode_normal_signed(vec3 n, float y_sign, float scale) {
     vec3 scaled = vec3(scale * n.x, scale * y_sign * n.y, n.z);
     float length2 = dot(scaled, scaled);
-    if (length2 < 1.0e-12) {
+    if (dot(n, n) <= 0.01 || length2 < 1.0e-12) {
         return vec3(0.0, 0.0, 1.0);
     }
     return scaled * inversesqrt(length2);
@@ -94,7 +95,7 @@ vec3 mf_decode_gloss(float gloss) {
 }
 
 // Tensor from glTF's anisotropy texture (0.5 + 0.5 direction in red and green, strength in blue) and perceptual roughness:
-// alpha across, mix(alpha, 1, strength^2) along (KHR_materials_anisotropy).
+// alpha across, mix(alpha, 1, strength^2) along (KHR_materials_anisotropy). A direction no longer than 0.1 is the tangent.
 vec3 mf_decode_anisotropy(vec3 texel, float roughness) {
     MfGltf g;
     g.alpha = mf_alpha_from_perceptual(roughness);
@@ -177,7 +178,7 @@ float mf_first_weight(vec3 further) {
 MfLobe mf_lobe_toksvig(vec3 n, float alpha) {
     float width = mf_toksvig(alpha, length(n));
     MfLobe o;
-    o.normal = mf_decode_normal_signed(n, 1.0, 1.0);
+    o.normal = mf_decode_normal_signed(n / max(length(n), 1.0e-6), 1.0, 1.0);
     o.tensor = vec3(width * width, 0.0, width * width);
     return o;
 }
@@ -186,7 +187,7 @@ MfLobe mf_lobe_toksvig(vec3 n, float alpha) {
 MfLobe mf_lobe_vmf(vec3 n, float alpha) {
     float width = mf_alpha_widened_vmf(alpha, length(n));
     MfLobe o;
-    o.normal = mf_decode_normal_signed(n, 1.0, 1.0);
+    o.normal = mf_decode_normal_signed(n / max(length(n), 1.0e-6), 1.0, 1.0);
     o.tensor = vec3(width * width, 0.0, width * width);
     return o;
 }
@@ -295,15 +296,15 @@ MfMoments mf_moments_from_lobe(MfLobe lobe) {
 }
 
 // Density of the standard normal distribution; x up to 12 by its size.
-float mf_normal_density(float x) {
+float mf_gaussian_pdf(float x) {
     return 0.39894228 * exp(-0.5 * x * x);
 }
 
 // Share of the standard normal distribution below x (Abramowitz & Stegun 26.2.17: within 7.5e-8 before rounding).
-float mf_normal_share(float x) {
+float mf_gaussian_cdf(float x) {
     float t = 1.0 / (1.0 + 0.2316419 * abs(x));
     float sum = t * (0.31938153 + t * (-0.356563782 + t * (1.781477937 + t * (-1.821255978 + t * 1.330274429))));
-    float above = sum * mf_normal_density(x);
+    float above = sum * mf_gaussian_pdf(x);
     if (x < 0.0) {
         return above;
     }
@@ -319,7 +320,7 @@ float mf_slope_cosine(MfMoments m, vec3 v) {
     float form = m.covariance.x * v.x * v.x + 2.0 * m.covariance.y * v.x * v.y + m.covariance.z * v.y * v.y;
     float tau = max(sqrt(max(form, 0.0)), 1.0e-10);
     float z = min(c / tau, 12.0);
-    return c * mf_normal_share(z) + tau * mf_normal_density(z);
+    return c * mf_gaussian_cdf(z) + tau * mf_gaussian_pdf(z);
 }
 
 // By how much the slope s is seen from v more than the mean of them: max(0, v.z - s . v.xy) over mf_slope_cosine. Its mean
@@ -335,8 +336,8 @@ MfMoments mf_visible_moments(MfMoments m, vec3 v) {
     vec2 w = vec2(m.covariance.x * v.x + m.covariance.y * v.y, m.covariance.y * v.x + m.covariance.z * v.y);
     float tau = max(sqrt(max(dot(w, vec2(v.x, v.y)), 0.0)), 1.0e-10);
     float z = min(c / tau, 12.0);
-    float share = mf_normal_share(z);
-    float density = mf_normal_density(z);
+    float share = mf_gaussian_cdf(z);
+    float density = mf_gaussian_pdf(z);
     float inverse = 1.0 / (c * share + tau * density);
     float shift = share * inverse;
     float factor = density / tau * inverse - shift * shift;

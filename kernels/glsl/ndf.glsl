@@ -9,8 +9,9 @@
 // m is a microfacet's normal: the half vector h = normalize(l + v) when shading. m, l and v are unit, in the tangent frame of
 // the lobe, z its normal. D is per steradian, with a mean of m.z of 1 over all m. P22 is the density of slopes
 // s = -m.xy / m.z, and D = P22 / m.z^4. A tensor R = (xx, xy, yy) holds squared widths (eigenvalues alpha^2). Widths count from
-// MF_SMOOTHEST. Entries of a tensor in f32 know its determinant to 1e-7 xx yy: turned between the axes, a lobe ten times as
-// wide as thin has its D to 5e-6, one a hundred times as wide, 5e-4.
+// MF_SMOOTHEST. The determinant cancels to 1e-7 xx yy: turned between the axes, the D of a given f32 tensor is evaluated to
+// within 5e-6 where the lobe is ten times as wide as thin, and to within 5e-4 at a hundred times. Rounding the entries
+// themselves to f32 adds about as much again.
 
 // A GGX lobe in the plane of the slopes seen from the surface, whatever its tilt: a Student-t density about a centre.
 struct MfSlopeLobe {
@@ -166,7 +167,7 @@ float mf_d_student(vec3 m, vec3 r, float gamma) {
 MfSlopeLobe mf_slope_lobe(vec3 n, vec3 r) {
     float root = sqrt(n.y * n.y + n.z * n.z);
     vec3 t = vec3(0.0, 0.0, -1.0);
-    vec3 b = vec3(0.0, 1.0, 0.0);
+    vec3 b = vec3(0.0, sign(n.x), 0.0);
     if (root > MF_GRAZING) {
         t = vec3(root, -n.x * n.y / root, -n.x * n.z / root);
         b = vec3(0.0, n.z / root, -n.y / root);

@@ -104,7 +104,7 @@ float mf_alpha_widened(float alpha, float variance) {
 }
 
 // The same in projected space, for the variance of a projected normal's x or y: with X = alpha^2 / (1 - alpha^2),
-// X' = X + 2 variance (Tokuyoshi & Kaplanyan 2021, eq. 4), without the division that fails at alpha 1. Never above 1.
+// X' = X + 2 variance (Tokuyoshi & Kaplanyan 2021), without the division that fails at alpha 1. Never above 1.
 float mf_alpha_widened_projected(float alpha, float variance) {
     float a2 = alpha * alpha;
     float added = 2.0 * variance * (1.0 - alpha) * (1.0 + alpha);
@@ -242,11 +242,11 @@ MfGltf mf_gltf_from_tensor(vec3 r) {
 }
 
 // glTF's direction and larger width, (x, y, alpha_t), alpha_t = mix(alpha, 1, strength^2) (KHR_materials_anisotropy). The
-// direction is made unit; one that filtering cancelled (length 0) counts as the tangent.
+// direction is made unit; one that filtering or mid-gray of 8 bits left no longer than 0.1 counts as the tangent.
 vec3 mf_gltf_along(MfGltf g) {
     float along = g.alpha + (1.0 - g.alpha) * g.strength * g.strength;
     float length2 = dot(g.direction, g.direction);
-    if (length2 < 1.0e-12) {
+    if (length2 <= 0.01) {
         return vec3(1.0, 0.0, along);
     }
     vec2 d = g.direction * inversesqrt(length2);

@@ -14,7 +14,7 @@
 // Which to use when:
 //   you have                             | and want                     | call
 //   interpolated normals, one roughness  | least blur                   | mf_aa_2021_normals, MF_SIGMA2_PEAK (the default)
-//   the same                             | no sparkle, some blur        | mf_aa_2019_normals, MF_SIGMA2_HALF (most engines)
+//   the same                             | no sparkle, some blur        | mf_aa_2019_normals, MF_SIGMA2_HALF (several engines)
 //   the same, two widths                 | streaks along the curvature  | mf_kernel of dn.t and dn.b, mf_add_kernel_projected
 //   half vectors, forward shading        | right, also at grazing views | mf_aa_2021, MF_SIGMA2_PEAK
 //   the same, cheaper                    | no conversion                | mf_aa_2019
@@ -54,14 +54,14 @@ float3 mf_half_vector_derivative(float3 v, float3 l, float3 dv, float3 dl) {
 
 // Derivative of a unit vector's components along t and b where the vector h changes by dh and the frame (t, b, n) turns
 // with its normal, by dn and not about it; all per pixel and in one space. Of a half vector this is the derivative in the
-// projected space of Tokuyoshi & Kaplanyan 2019, sec. 4.
+// projected space of Tokuyoshi & Kaplanyan 2019.
 float2 mf_projected_derivative(float3 h, float3 dh, float3 n, float3 dn, float3 t, float3 b) {
     float up = dot(h, n);
     return float2(dot(dh, t) - up * dot(dn, t), dot(dh, b) - up * dot(dn, b));
 }
 
 // Derivative of the slope -h.xy / h.z of a half vector h in the tangent frame, which changes by dh (per pixel): the space
-// of Kaplanyan et al. 2016, sec. 4. Grows as 1 / h.z^2 towards the horizon; h.z counts as MF_LEAST_HALF_COSINE at least.
+// of Kaplanyan et al. 2016. Grows as 1 / h.z^2 towards the horizon; h.z counts as MF_LEAST_HALF_COSINE at least.
 float2 mf_slope_derivative(float3 h, float3 dh) {
     float inverse = 1.0 / max(h.z, MF_LEAST_HALF_COSINE);
     float share = dh.z * inverse;
@@ -69,7 +69,7 @@ float2 mf_slope_derivative(float3 h, float3 dh) {
 }
 
 // The kernel's tensor K = 2 sigma2 (a a^T + b b^T) for derivatives a along screen x and b along y (per pixel) and a
-// Gaussian pixel of variance sigma2 (pixels^2): twice its covariance (Tokuyoshi & Kaplanyan 2021, eq. 3).
+// Gaussian pixel of variance sigma2 (pixels^2): twice its covariance (Tokuyoshi & Kaplanyan 2021).
 float3 mf_kernel(float2 a, float2 b, float sigma2) {
     return 2.0 * sigma2 * float3(a.x * a.x + b.x * b.x, a.x * a.y + b.x * b.y, a.y * a.y + b.y * b.y);
 }
@@ -83,7 +83,7 @@ float3 mf_kernel_rectangle(float2 a, float2 b, float sigma2) {
 }
 
 // Half the trace of K for derivatives of unit normals, per pixel, in any space: what to add to the alpha^2 of a round lobe
-// (Tokuyoshi & Kaplanyan 2021, eq. 14).
+// (Tokuyoshi & Kaplanyan 2021).
 float mf_kernel_mean(float3 dndx, float3 dndy, float sigma2) {
     return sigma2 * (dot(dndx, dndx) + dot(dndy, dndy));
 }
@@ -122,7 +122,7 @@ float mf_add_kernel_mean(float alpha2, float k) {
 }
 
 // A lobe's tensor r (eigenvalues up to 1) after the kernel k, added in projected space: B' = B + K for B = R (I - R)^-1
-// (Tokuyoshi & Kaplanyan 2021, eq. 4 to 7). With P = I - R that is R' = R + P M P, M = (P + K^-1)^-1 (Woodbury): nothing
+// (Tokuyoshi & Kaplanyan 2021). With P = I - R that is R' = R + P M P, M = (P + K^-1)^-1 (Woodbury): nothing
 // cancels or divides by 1 - alpha, no width reaches 1 that was below, and the determinant needs no clamp.
 float3 mf_add_kernel_projected(float3 r, float3 k) {
     float3 p = float3(1.0 - r.x, -r.y, 1.0 - r.z);
@@ -150,7 +150,7 @@ float3 mf_aa_2016(float3 r, float2 a, float2 b, float extent) {
     return mf_add_kernel(r, 2.0 * float3(x * x, 0.0, y * y));
 }
 
-// The same with the pixel's own parallelogram as a Gaussian, without a clamp (its sec. 5).
+// The same with the pixel's own parallelogram as a Gaussian, without a clamp.
 float3 mf_aa_2016_full(float3 r, float2 a, float2 b, float sigma2) {
     return mf_add_kernel(r, mf_kernel(a, b, sigma2));
 }
@@ -162,7 +162,7 @@ float3 mf_aa_2019_axes(float3 r, float2 a, float2 b, float sigma2, float kappa) 
     return mf_add_kernel(r, float3(min(k.x, kappa), 0.0, min(k.z, kappa)));
 }
 
-// Tokuyoshi & Kaplanyan 2019, non-axis-aligned; the practical form of 2021, eq. 9. a and b are derivatives of h.xy.
+// Tokuyoshi & Kaplanyan 2019, non-axis-aligned; the practical form of 2021. a and b are derivatives of h.xy.
 float3 mf_aa_2019(float3 r, float2 a, float2 b, float sigma2) {
     return mf_add_kernel(r, mf_kernel(a, b, sigma2));
 }

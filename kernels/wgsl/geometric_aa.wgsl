@@ -10,7 +10,7 @@
 // Which to use when:
 //   you have                             | and want                     | call
 //   interpolated normals, one roughness  | least blur                   | mf_aa_2021_normals, MF_SIGMA2_PEAK (the default)
-//   the same                             | no sparkle, some blur        | mf_aa_2019_normals, MF_SIGMA2_HALF (most engines)
+//   the same                             | no sparkle, some blur        | mf_aa_2019_normals, MF_SIGMA2_HALF (several engines)
 //   the same, two widths                 | streaks along the curvature  | mf_kernel of dn.t and dn.b, mf_add_kernel_projected
 //   half vectors, forward shading        | right, also at grazing views | mf_aa_2021, MF_SIGMA2_PEAK
 //   the same, cheaper                    | no conversion                | mf_aa_2019
@@ -50,14 +50,14 @@ fn mf_half_vector_derivative(v: vec3f, l: vec3f, dv: vec3f, dl: vec3f) -> vec3f 
 
 // Derivative of a unit vector's components along t and b where the vector h changes by dh and the frame (t, b, n) turns
 // with its normal, by dn and not about it; all per pixel and in one space. Of a half vector this is the derivative in the
-// projected space of Tokuyoshi & Kaplanyan 2019, sec. 4.
+// projected space of Tokuyoshi & Kaplanyan 2019.
 fn mf_projected_derivative(h: vec3f, dh: vec3f, n: vec3f, dn: vec3f, t: vec3f, b: vec3f) -> vec2f {
     let up: f32 = dot(h, n);
     return vec2f(dot(dh, t) - up * dot(dn, t), dot(dh, b) - up * dot(dn, b));
 }
 
 // Derivative of the slope -h.xy / h.z of a half vector h in the tangent frame, which changes by dh (per pixel): the space
-// of Kaplanyan et al. 2016, sec. 4. Grows as 1 / h.z^2 towards the horizon; h.z counts as MF_LEAST_HALF_COSINE at least.
+// of Kaplanyan et al. 2016. Grows as 1 / h.z^2 towards the horizon; h.z counts as MF_LEAST_HALF_COSINE at least.
 fn mf_slope_derivative(h: vec3f, dh: vec3f) -> vec2f {
     let inverse: f32 = 1.0 / max(h.z, MF_LEAST_HALF_COSINE);
     let share: f32 = dh.z * inverse;
@@ -65,7 +65,7 @@ fn mf_slope_derivative(h: vec3f, dh: vec3f) -> vec2f {
 }
 
 // The kernel's tensor K = 2 sigma2 (a a^T + b b^T) for derivatives a along screen x and b along y (per pixel) and a
-// Gaussian pixel of variance sigma2 (pixels^2): twice its covariance (Tokuyoshi & Kaplanyan 2021, eq. 3).
+// Gaussian pixel of variance sigma2 (pixels^2): twice its covariance (Tokuyoshi & Kaplanyan 2021).
 fn mf_kernel(a: vec2f, b: vec2f, sigma2: f32) -> vec3f {
     return 2.0 * sigma2 * vec3f(a.x * a.x + b.x * b.x, a.x * a.y + b.x * b.y, a.y * a.y + b.y * b.y);
 }
@@ -79,7 +79,7 @@ fn mf_kernel_rectangle(a: vec2f, b: vec2f, sigma2: f32) -> vec3f {
 }
 
 // Half the trace of K for derivatives of unit normals, per pixel, in any space: what to add to the alpha^2 of a round lobe
-// (Tokuyoshi & Kaplanyan 2021, eq. 14).
+// (Tokuyoshi & Kaplanyan 2021).
 fn mf_kernel_mean(dndx: vec3f, dndy: vec3f, sigma2: f32) -> f32 {
     return sigma2 * (dot(dndx, dndx) + dot(dndy, dndy));
 }
@@ -118,7 +118,7 @@ fn mf_add_kernel_mean(alpha2: f32, k: f32) -> f32 {
 }
 
 // A lobe's tensor r (eigenvalues up to 1) after the kernel k, added in projected space: B' = B + K for B = R (I - R)^-1
-// (Tokuyoshi & Kaplanyan 2021, eq. 4 to 7). With P = I - R that is R' = R + P M P, M = (P + K^-1)^-1 (Woodbury): nothing
+// (Tokuyoshi & Kaplanyan 2021). With P = I - R that is R' = R + P M P, M = (P + K^-1)^-1 (Woodbury): nothing
 // cancels or divides by 1 - alpha, no width reaches 1 that was below, and the determinant needs no clamp.
 fn mf_add_kernel_projected(r: vec3f, k: vec3f) -> vec3f {
     let p: vec3f = vec3f(1.0 - r.x, -r.y, 1.0 - r.z);
@@ -146,7 +146,7 @@ fn mf_aa_2016(r: vec3f, a: vec2f, b: vec2f, extent: f32) -> vec3f {
     return mf_add_kernel(r, 2.0 * vec3f(x * x, 0.0, y * y));
 }
 
-// The same with the pixel's own parallelogram as a Gaussian, without a clamp (its sec. 5).
+// The same with the pixel's own parallelogram as a Gaussian, without a clamp.
 fn mf_aa_2016_full(r: vec3f, a: vec2f, b: vec2f, sigma2: f32) -> vec3f {
     return mf_add_kernel(r, mf_kernel(a, b, sigma2));
 }
@@ -158,7 +158,7 @@ fn mf_aa_2019_axes(r: vec3f, a: vec2f, b: vec2f, sigma2: f32, kappa: f32) -> vec
     return mf_add_kernel(r, vec3f(min(k.x, kappa), 0.0, min(k.z, kappa)));
 }
 
-// Tokuyoshi & Kaplanyan 2019, non-axis-aligned; the practical form of 2021, eq. 9. a and b are derivatives of h.xy.
+// Tokuyoshi & Kaplanyan 2019, non-axis-aligned; the practical form of 2021. a and b are derivatives of h.xy.
 fn mf_aa_2019(r: vec3f, a: vec2f, b: vec2f, sigma2: f32) -> vec3f {
     return mf_add_kernel(r, mf_kernel(a, b, sigma2));
 }

@@ -51,11 +51,12 @@ const MF_LEAST_SLOPE_COSINE: f32 = 1.0e-4;
 const MF_LARGEST_ENERGY: f32 = 2.5;
 
 // Unit normal from components -1 to 1 as OpenEXR files hold them. y_sign: 1 for OpenGL maps (green up), -1 for DirectX maps;
-// scale: the material's normal scale (glTF normalTexture.scale), 1 for none. Straight up where there is no direction.
+// scale: the material's normal scale (glTF normalTexture.scale), 1 for none. Straight up where n is no longer than 0.1, as mid-gray of
+// 8 bits is: that has no direction, and `mipfold build` reads it so too.
 fn mf_decode_normal_signed(n: vec3f, y_sign: f32, scale: f32) -> vec3f {
     let scaled: vec3f = vec3f(scale * n.x, scale * y_sign * n.y, n.z);
     let length2: f32 = dot(scaled, scaled);
-    if (length2 < 1.0e-12) {
+    if (dot(n, n) <= 0.01 || length2 < 1.0e-12) {
         return vec3f(0.0, 0.0, 1.0);
     }
     return scaled * inverseSqrt(length2);
@@ -89,7 +90,7 @@ fn mf_decode_gloss(gloss: f32) -> vec3f {
 }
 
 // Tensor from glTF's anisotropy texture (0.5 + 0.5 direction in red and green, strength in blue) and perceptual roughness:
-// alpha across, mix(alpha, 1, strength^2) along (KHR_materials_anisotropy).
+// alpha across, mix(alpha, 1, strength^2) along (KHR_materials_anisotropy). A direction no longer than 0.1 is the tangent.
 fn mf_decode_anisotropy(texel: vec3f, roughness: f32) -> vec3f {
     var g: MfGltf;
     g.alpha = mf_alpha_from_perceptual(roughness);
@@ -172,7 +173,7 @@ fn mf_first_weight(further: vec3f) -> f32 {
 fn mf_lobe_toksvig(n: vec3f, alpha: f32) -> MfLobe {
     let width: f32 = mf_toksvig(alpha, length(n));
     var o: MfLobe;
-    o.normal = mf_decode_normal_signed(n, 1.0, 1.0);
+    o.normal = mf_decode_normal_signed(n / max(length(n), 1.0e-6), 1.0, 1.0);
     o.tensor = vec3f(width * width, 0.0, width * width);
     return o;
 }
@@ -181,7 +182,7 @@ fn mf_lobe_toksvig(n: vec3f, alpha: f32) -> MfLobe {
 fn mf_lobe_vmf(n: vec3f, alpha: f32) -> MfLobe {
     let width: f32 = mf_alpha_widened_vmf(alpha, length(n));
     var o: MfLobe;
-    o.normal = mf_decode_normal_signed(n, 1.0, 1.0);
+    o.normal = mf_decode_normal_signed(n / max(length(n), 1.0e-6), 1.0, 1.0);
     o.tensor = vec3f(width * width, 0.0, width * width);
     return o;
 }
@@ -290,15 +291,15 @@ fn mf_moments_from_lobe(lobe: MfLobe) -> MfMoments {
 }
 
 // Density of the standard normal distribution; x up to 12 by its size.
-fn mf_normal_density(x: f32) -> f32 {
+fn mf_gaussian_pdf(x: f32) -> f32 {
     return 0.39894228 * exp(-0.5 * x * x);
 }
 
 // Share of the standard normal distribution below x (Abramowitz & Stegun 26.2.17: within 7.5e-8 before rounding).
-fn mf_normal_share(x: f32) -> f32 {
+fn mf_gaussian_cdf(x: f32) -> f32 {
     let t: f32 = 1.0 / (1.0 + 0.2316419 * abs(x));
     let sum: f32 = t * (0.31938153 + t * (-0.356563782 + t * (1.781477937 + t * (-1.821255978 + t * 1.330274429))));
-    let above: f32 = sum * mf_normal_density(x);
+    let above: f32 = sum * mf_gaussian_pdf(x);
     if (x < 0.0) {
         return above;
     }
@@ -314,7 +315,7 @@ fn mf_slope_cosine(m: MfMoments, v: vec3f) -> f32 {
     let form: f32 = m.covariance.x * v.x * v.x + 2.0 * m.covariance.y * v.x * v.y + m.covariance.z * v.y * v.y;
     let tau: f32 = max(sqrt(max(form, 0.0)), 1.0e-10);
     let z: f32 = min(c / tau, 12.0);
-    return c * mf_normal_share(z) + tau * mf_normal_density(z);
+    return c * mf_gaussian_cdf(z) + tau * mf_gaussian_pdf(z);
 }
 
 // By how much the slope s is seen from v more than the mean of them: max(0, v.z - s . v.xy) over mf_slope_cosine. Its mean
@@ -330,8 +331,8 @@ fn mf_visible_moments(m: MfMoments, v: vec3f) -> MfMoments {
     let w: vec2f = vec2f(m.covariance.x * v.x + m.covariance.y * v.y, m.covariance.y * v.x + m.covariance.z * v.y);
     let tau: f32 = max(sqrt(max(dot(w, vec2f(v.x, v.y)), 0.0)), 1.0e-10);
     let z: f32 = min(c / tau, 12.0);
-    let share: f32 = mf_normal_share(z);
-    let density: f32 = mf_normal_density(z);
+    let share: f32 = mf_gaussian_cdf(z);
+    let density: f32 = mf_gaussian_pdf(z);
     let inverse: f32 = 1.0 / (c * share + tau * density);
     let shift: f32 = share * inverse;
     let factor: f32 = density / tau * inverse - shift * shift;

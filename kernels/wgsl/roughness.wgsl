@@ -99,7 +99,7 @@ fn mf_alpha_widened(alpha: f32, variance: f32) -> f32 {
 }
 
 // The same in projected space, for the variance of a projected normal's x or y: with X = alpha^2 / (1 - alpha^2),
-// X' = X + 2 variance (Tokuyoshi & Kaplanyan 2021, eq. 4), without the division that fails at alpha 1. Never above 1.
+// X' = X + 2 variance (Tokuyoshi & Kaplanyan 2021), without the division that fails at alpha 1. Never above 1.
 fn mf_alpha_widened_projected(alpha: f32, variance: f32) -> f32 {
     let a2: f32 = alpha * alpha;
     let added: f32 = 2.0 * variance * (1.0 - alpha) * (1.0 + alpha);
@@ -237,11 +237,11 @@ fn mf_gltf_from_tensor(r: vec3f) -> MfGltf {
 }
 
 // glTF's direction and larger width, (x, y, alpha_t), alpha_t = mix(alpha, 1, strength^2) (KHR_materials_anisotropy). The
-// direction is made unit; one that filtering cancelled (length 0) counts as the tangent.
+// direction is made unit; one that filtering or mid-gray of 8 bits left no longer than 0.1 counts as the tangent.
 fn mf_gltf_along(g: MfGltf) -> vec3f {
     let along: f32 = g.alpha + (1.0 - g.alpha) * g.strength * g.strength;
     let length2: f32 = dot(g.direction, g.direction);
-    if (length2 < 1.0e-12) {
+    if (length2 <= 0.01) {
         return vec3f(1.0, 0.0, along);
     }
     let d: vec2f = g.direction * inverseSqrt(length2);

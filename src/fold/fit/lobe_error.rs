@@ -345,3 +345,5 @@ impl Seen {
 
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+pub use tests::exact;

@@ -1,5 +1,5 @@
 //! A few GGX lobes together: those of the footprint's parts, moved by expectation maximisation over nodes as those of a
-//! single lobe, where they then miss less of the footprint.
+//! single lobe, where they then miss less of the footprint or share a normal.
 //!
 //! Based on: D. Peel, G. J. McLachlan, "Robust Mixture Modelling Using the t Distribution", 2000; the scatter's step is that
 //! of Kent, Tyler and Vardi 1994. The footprint is a mixture itself: expectations over its lobes replace sums over samples.
@@ -23,7 +23,7 @@ const STEPS: usize = 3;
 /// alike. The closer to 1, the closer mixtures lie, and the more they change from texel to texel.
 const NOTICEABLE: f32 = 1.15;
 
-/// So many lobes of the footprint to each of the mixture leave nothing to move.
+/// So many slots of a summary to each lobe of the mixture leave nothing to move; texels of a chain's first level have four.
 const FEW: usize = 2;
 
 /// Share of the footprint that parts miss, from which they are looked for in another way.
@@ -125,7 +125,7 @@ fn fit_some<S: Simd, const LOBES: usize>(simd: S, chunk: &Chunk, shape: Shape, o
     }
 }
 
-/// Of several ways to cut footprints in parts, the first that misses hardly more than any other.
+/// Of several ways to cut footprints in parts, each replaces the one before where it misses noticeably less.
 struct Best<S: Simd, const LOBES: usize> {
     parts: [Part<S>; LOBES],
     missed: Lanes<S>,

@@ -19,13 +19,12 @@ const PLACES: [[f32; 2]; COUNT] = {
 };
 
 /// The nodes of all lobes of each footprint, [`COUNT`] a lobe.
-#[derive(Default)]
 pub struct Nodes<S: Simd> {
     /// Slopes.
     pub at: Vec<[Lanes<S>; 2]>,
-    /// Weight of the lobe's nodes, as a share of that of all.
+    /// Weight of each node of a lobe, as a share of that of all.
     share: Vec<Lanes<S>>,
-    /// One over pi times the footprint's density.
+    /// 1 / (pi density of the footprint).
     rarity: Vec<Lanes<S>>,
 }
 
@@ -77,7 +76,7 @@ impl<S: Simd> Nodes<S> {
     /// error if all that is reflected were seen alike.
     #[inline(always)]
     pub fn missed<const LOBES: usize>(&self, parts: &[Part<S>; LOBES]) -> Lanes<S> {
-        let zero = parts[0].share.like(0.0);
+        let (zero, one) = (parts[0].share.like(0.0), parts[0].share.like(1.0));
         let mut lobes = *parts;
         let mut metrics = [Metric { xx: zero, xy: zero, yy: zero, root: zero }; LOBES];
         for (metric, part) in metrics.iter_mut().zip(&mut lobes) {
@@ -93,7 +92,9 @@ impl<S: Simd> Nodes<S> {
                 for j in 0..LOBES {
                     density += metrics[j].density(x - lobes[j].lobe.x, y - lobes[j].lobe.y).1;
                 }
-                missed += (-(density * self.rarity[i]) + 1.0).max(0.0);
+                // What is not a number stays so, and is never the least.
+                let held = density * self.rarity[i];
+                missed += one - held.above(one, one, held);
             }
             sum += *share * missed;
         }

@@ -57,6 +57,8 @@ pub(super) fn cluster<S: Simd, const LOBES: usize>(atoms: &[Atom<S>], form: Form
             for k in 0..count {
                 covered += atoms[k].w * overlaps[k].above(left[k], left[k], overlaps[k]);
             }
+            // What is not there is not typical.
+            covered = atom.w.above(zero, covered, zero.like(-1.0));
             *seed = atom.estimate().where_above(covered, most, *seed);
             most = covered.above(most, covered, most);
         }
@@ -72,19 +74,19 @@ pub(super) fn cluster<S: Simd, const LOBES: usize>(atoms: &[Atom<S>], form: Form
         |k| atoms[k].w * left[k],
         None,
     );
-    let mut parts = lobes(atoms, &closest_of(atoms, &seeds), form, None);
+    let mut parts = lobes(atoms, &members_of(atoms, &seeds), form, None);
     for _ in 1..ROUNDS {
         for (seed, part) in seeds.iter_mut().zip(&parts) {
             *seed = part.lobe;
         }
-        parts = lobes(atoms, &closest_of(atoms, &seeds), form, None);
+        parts = lobes(atoms, &members_of(atoms, &seeds), form, None);
     }
     parts
 }
 
 /// The atoms that each lobe covers best.
 #[inline(always)]
-fn closest_of<S: Simd, const LOBES: usize>(atoms: &[Atom<S>], seeds: &[Estimate<S>; LOBES]) -> Members<S, LOBES> {
+fn members_of<S: Simd, const LOBES: usize>(atoms: &[Atom<S>], seeds: &[Estimate<S>; LOBES]) -> Members<S, LOBES> {
     let (zero, one) = (atoms[0].w.like(0.0), atoms[0].w.like(1.0));
     let mut members: Members<S, LOBES> = std::array::from_fn(|_| vec![zero; atoms.len()]);
     let mut most = vec![zero.like(-1.0); atoms.len()];

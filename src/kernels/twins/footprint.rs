@@ -78,7 +78,8 @@ pub fn footprint_half_vectors(f: Footprint) -> Lobe {
     footprint_lobe(f, a, b)
 }
 
-/// Mean of max(0, x) over a logistic x: `tau ln(1 + e^(mean / tau))`.
+/// `tau ln(1 + e^(mean / tau))`, tau the deviation over `sqrt(2 pi) ln 2`: at a mean of 0, the mean of max(0, x) over a
+/// Gaussian x.
 pub fn diffuse_cosine(scale: f64, cosine: f64) -> f64 {
     let variance = 0.5 * (1.0 - scale * scale) * (1.0 - cosine * cosine);
     let (mean, tau) = (scale * cosine, variance.max(1e-12).sqrt() / 1.7375);

@@ -61,7 +61,7 @@ pub fn slope_derivative(h: DVec3, dh: DVec3) -> DVec2 {
     (h.truncate() * dh.z - dh.truncate() * z) / (z * z)
 }
 
-/// `2 sigma2 (a a^T + b b^T)` (Tokuyoshi & Kaplanyan 2021, eq. 3).
+/// `2 sigma2 (a a^T + b b^T)` (Tokuyoshi & Kaplanyan 2021).
 pub fn kernel(a: DVec2, b: DVec2, sigma2: f64) -> DVec3 {
     let delta = DMat2::from_cols(a, b);
     tensor(2.0 * sigma2 * (delta * delta.transpose()))
@@ -73,7 +73,7 @@ pub fn kernel_rectangle(a: DVec2, b: DVec2, sigma2: f64) -> DVec3 {
     2.0 * sigma2 * DVec3::new(extent.x * extent.x, 0.0, extent.y * extent.y)
 }
 
-/// Half the trace of the kernel of normals (Tokuyoshi & Kaplanyan 2021, eq. 14).
+/// Half the trace of the kernel of normals (Tokuyoshi & Kaplanyan 2021).
 pub fn kernel_mean(dndx: DVec3, dndy: DVec3, sigma2: f64) -> f64 {
     sigma2 * (dndx.length_squared() + dndy.length_squared())
 }
@@ -98,7 +98,7 @@ pub fn add_kernel_mean(alpha2: f64, k: f64) -> f64 {
     (alpha2 + k).min(1.0)
 }
 
-/// `B' = B + K` for `B = R (I - R)^-1` (Tokuyoshi & Kaplanyan 2021, eq. 4 to 7), as `R' = (R + K P)(I + K P)^-1` with
+/// `B' = B + K` for `B = R (I - R)^-1` (Tokuyoshi & Kaplanyan 2021), as `R' = (R + K P)(I + K P)^-1` with
 /// `P = I - R`, which has the limit where R is 1.
 pub fn add_kernel_projected(r: DVec3, k: DVec3) -> DVec3 {
     let kp = matrix(k) * (DMat2::IDENTITY - matrix(r));

@@ -53,10 +53,10 @@ pub fn bent(n: DVec3) -> (DVec3, DVec3) {
     (tangent, n.cross(tangent))
 }
 
-/// Of components -1 to 1.
+/// Of components -1 to 1; up where they are no longer than 0.1.
 pub fn decode_normal_signed(n: DVec3, y_sign: f64, scale: f64) -> DVec3 {
     let scaled = n * DVec3::new(scale, scale * y_sign, 1.0);
-    if scaled.length_squared() < 1e-12 { DVec3::Z } else { scaled.normalize() }
+    if n.length_squared() <= 0.01 || scaled.length_squared() < 1e-12 { DVec3::Z } else { scaled.normalize() }
 }
 
 /// Of components 0 to 1.
@@ -85,10 +85,10 @@ pub fn decode_gloss(gloss: f64) -> DVec3 {
     decode_roughness(1.0 - gloss)
 }
 
-/// glTF's `KHR_materials_anisotropy`; a direction of no length counts as the tangent.
+/// glTF's `KHR_materials_anisotropy`; a direction no longer than 0.1 counts as the tangent.
 pub fn decode_anisotropy(texel: DVec3, roughness: f64) -> DVec3 {
     let d = 2.0 * texel.truncate() - DVec2::ONE;
-    let d = if d.length_squared() < 1e-12 { DVec2::X } else { d.normalize() };
+    let d = if d.length_squared() <= 0.01 { DVec2::X } else { d.normalize() };
     let across = roughness * roughness;
     let along = across + (1.0 - across) * texel.z * texel.z;
     let turn = DMat2::from_cols(d, d.perp());
@@ -160,7 +160,7 @@ pub fn lobe_vmf(n: DVec3, alpha: f64) -> Lobe {
 }
 
 fn round(n: DVec3, alpha: f64) -> Lobe {
-    Lobe { normal: decode_normal_signed(n, 1.0, 1.0), tensor: decode_roughness(alpha.sqrt()) }
+    Lobe { normal: decode_normal_signed(n / n.length().max(1e-6), 1.0, 1.0), tensor: decode_roughness(alpha.sqrt()) }
 }
 
 /// Without negative eigenvalues.
@@ -219,12 +219,12 @@ pub fn moments_from_lobe(lobe: Lobe) -> Moments {
 }
 
 /// Density of the standard normal distribution.
-pub fn normal_density(x: f64) -> f64 {
+pub fn gaussian_pdf(x: f64) -> f64 {
     (-0.5 * x * x).exp() / TAU.sqrt()
 }
 
 /// Its share below x.
-pub fn normal_share(x: f64) -> f64 {
+pub fn gaussian_cdf(x: f64) -> f64 {
     0.5 * erfc(-x * FRAC_1_SQRT_2)
 }
 
@@ -253,7 +253,7 @@ pub fn erfc(x: f64) -> f64 {
 /// `c Phi(c / tau) + tau phi(c / tau)`.
 pub fn slope_cosine(m: Moments, v: DVec3) -> f64 {
     let (c, tau) = (cosine(m, v), deviation(m, v));
-    if tau > 0.0 { c * normal_share(c / tau) + tau * normal_density(c / tau) } else { c }
+    if tau > 0.0 { c * gaussian_cdf(c / tau) + tau * gaussian_pdf(c / tau) } else { c }
 }
 
 fn cosine(m: Moments, v: DVec3) -> f64 {
@@ -274,7 +274,7 @@ pub fn visible_weight(m: Moments, v: DVec3, s: DVec2) -> f64 {
 pub fn visible_moments(m: Moments, v: DVec3) -> Moments {
     let (c, tau, e) = (cosine(m, v), deviation(m, v), slope_cosine(m, v));
     let w = matrix(m.covariance) * v.truncate();
-    let (share, density) = if tau > 0.0 { (normal_share(c / tau), normal_density(c / tau) / tau) } else { (1.0, 0.0) };
+    let (share, density) = if tau > 0.0 { (gaussian_cdf(c / tau), gaussian_pdf(c / tau) / tau) } else { (1.0, 0.0) };
     let factor = (density * e - share * share) / (e * e);
     Moments {
         mean: m.mean - w * share / e,

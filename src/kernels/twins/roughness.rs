@@ -221,9 +221,9 @@ pub fn gltf_from_tensor(r: DVec3) -> Gltf {
     gltf_from_axes(axes_from_tensor(r))
 }
 
-/// Direction and larger width.
+/// Direction, the tangent where it is no longer than 0.1, and larger width.
 pub fn gltf_along(g: Gltf) -> DVec3 {
-    let direction = if g.direction.length() < 1e-6 { DVec2::X } else { g.direction.normalize() };
+    let direction = if g.direction.length_squared() <= 0.01 { DVec2::X } else { g.direction.normalize() };
     direction.extend(g.alpha * (1.0 - g.strength.powi(2)) + g.strength.powi(2))
 }
 

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use glam::{DMat2, DVec2, DVec3};
 
-use super::moments::{normal_density, normal_share};
+use super::moments::{gaussian_cdf, gaussian_pdf};
 use super::ndf::{self, GRAZING};
 use super::roughness::SMOOTHEST;
 
@@ -93,7 +93,7 @@ pub fn diffuse_mean_normal(mean: DVec3, l: DVec3) -> f64 {
 pub fn diffuse_gaussian(l: DVec3, mean: DVec2, covariance: DVec3) -> f64 {
     let c = l.z - mean.dot(l.truncate());
     let tau = ndf::tensor_form(covariance, l.truncate()).sqrt();
-    if tau == 0.0 { c.max(0.0) } else { (c * normal_share(c / tau) + tau * normal_density(c / tau)).max(0.0) }
+    if tau == 0.0 { c.max(0.0) } else { (c * gaussian_cdf(c / tau) + tau * gaussian_pdf(c / tau)).max(0.0) }
 }
 
 /// `2 (v . n) n - v` for the unit n.

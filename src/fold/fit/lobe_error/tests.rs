@@ -5,6 +5,9 @@ use crate::ndf::{Lobe, SlopeLobe};
 use crate::reference::{Diffuse, Footprint, Queries};
 use crate::roughness::Alpha;
 
+/// Half vectors a view.
+const HALVES_OF_TRUTH: usize = 20_000;
+
 /// A lobe, by slopes and widths.
 fn lobe(x: f32, y: f32, [xx, xy, yy]: [f32; 3]) -> Candidate {
     (Vec3::new(-x, -y, 1.0).normalize(), RoughnessTensor { xx, xy, yy })
@@ -15,17 +18,15 @@ fn bent((normal, tensor): Candidate) -> Lobe {
 }
 
 /// The judge's integrals by many half vectors, in f64.
-fn exact(footprint: &[Lobe], other: Lobe) -> f64 {
-    let truth = Footprint::of_lobes(&footprint.iter().map(|lobe| (*lobe, 1.0)).collect::<Vec<_>>());
-    let other = Footprint::of_lobes(&[(other, 1.0)]);
+pub fn exact(truth: &Footprint, other: &Footprint) -> f64 {
     let (mut queries, mut spread) = (Queries::default(), Spread::new(&mut Random::new(7, 0)));
     for view in VIEWS {
         queries.start_view(direction(view).as_dvec3().normalize());
-        for i in 0..40_000 {
-            queries.push_half(if i % 2 == 0 { &truth } else { &other }.draw(spread.point()));
+        for i in 0..HALVES_OF_TRUTH {
+            queries.push_half(if i % 2 == 0 { truth } else { other }.draw(spread.point()));
         }
     }
-    let [a, b] = [&truth, &other].map(|f| f.means(&queries, &Diffuse::default()).swap_remove(0));
+    let [a, b] = [truth, other].map(|f| f.means(&queries, &Diffuse::default()).swap_remove(0));
     let (mut apart, mut both) = (0.0, 0.0);
     for (view, range) in queries.views().zip(queries.ranges()) {
         for j in range {
@@ -37,6 +38,10 @@ fn exact(footprint: &[Lobe], other: Lobe) -> f64 {
     apart / both
 }
 
+fn of_lobes(lobes: &[(f32, Candidate)]) -> Footprint<'_> {
+    Footprint::of_lobes(&lobes.iter().map(|(share, lobe)| (bent(*lobe), f64::from(*share))).collect::<Vec<_>>())
+}
+
 #[test]
 fn few_half_vectors_tell_what_many_in_f64_do() {
     let footprint =
@@ -45,7 +50,8 @@ fn few_half_vectors_tell_what_many_in_f64_do() {
     let guess = lobe(0.05, 0.2, [0.08, 0.0, 0.12]);
     let error = LobeError::new(entries.into_iter(), &[(1.0, guess)]);
     for other in [guess, lobe(0.1, 0.1, [0.05, 0.02, 0.2]), lobe(0.3, -0.1, [0.02, 0.005, 0.01])] {
-        let (found, expected) = (error.of(other), exact(&footprint.map(bent), bent(other)));
+        let (found, expected) =
+            (error.of(other), exact(&of_lobes(&footprint.map(|lobe| (1.0, lobe))), &of_lobes(&[(1.0, other)])));
         assert!((f64::from(found) / expected - 1.0).abs() < 0.05, "{found} {expected}");
     }
 }
@@ -84,6 +90,10 @@ fn a_mixture_of_the_footprints_own_lobes_has_no_error() {
         let others = error.others(&[own[other]]);
         let (share, lobe) = own[j];
         assert!(error.of_share(share, lobe, &others) < 2e-3);
+        let (other_lobe, half) = (own[other].1, 0.5);
+        let mixed = exact(&of_lobes(&own), &of_lobes(&[(half, lobe), (1.0 - half, other_lobe)]));
+        let found = f64::from(error.of_share(half, lobe, &others));
+        assert!((found / mixed - 1.0).abs() < 0.05, "{found} {mixed}");
         // As a share of 1, others do not matter; and less of it is further off.
         assert!((error.of_share(1.0, lobe, &others) - error.of(lobe)).abs() < 1e-6);
         assert!(error.of_share(share - 0.1, lobe, &others) > 0.1);

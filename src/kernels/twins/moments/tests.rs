@@ -55,6 +55,25 @@ fn normals_come_back_from_every_form() {
     assert_eq!(first_weight(DVec3::new(0.5, 0.25, 0.0)), 0.25);
 }
 
+/// 128, the mid-gray of 8 bits, is 0.004 off the middle: no direction, whatever the scale. 0.1 is the limit.
+#[test]
+fn mid_gray_has_no_direction() {
+    let gray = 128.0 / 255.0;
+    for scale in [0.2, 1.0, 20.0] {
+        for y_sign in [1.0, -1.0] {
+            assert_eq!(decode_normal(DVec3::splat(gray), y_sign, scale), DVec3::Z);
+            assert_eq!(decode_normal_signed(DVec3::new(0.0, 0.099, 0.0), y_sign, scale), DVec3::Z);
+            assert_eq!(decode_normal_signed(DVec3::new(0.0, 0.101, 0.0), y_sign, scale), y_sign * DVec3::Y);
+        }
+    }
+    let along_x = decode_anisotropy(DVec3::new(1.0, 0.5, 0.7), 0.5);
+    assert_eq!(decode_anisotropy(DVec3::new(gray, gray, 0.7), 0.5), along_x);
+    assert_eq!(decode_anisotropy(DVec3::new(0.5, 0.5 + 0.0495, 0.7), 0.5), along_x);
+    assert!(decode_anisotropy(DVec3::new(0.5, 0.5 + 0.0505, 0.7), 0.5).z > along_x.z);
+    // Means of normals keep their direction however short they are.
+    close(lobe_toksvig(DVec3::new(0.03, 0.0, 0.04), 0.3).normal, DVec3::new(0.6, 0.0, 0.8), 1e-14);
+}
+
 /// Widths 0.05 to 1 along an angle, encoded by the formulas of the README, decoded by each function.
 #[test]
 fn tensors_come_back_from_every_form() {
@@ -179,11 +198,11 @@ fn the_normal_distribution_meets_known_values() {
     for (x, stated) in
         [(0.0, 0.5), (1.0, 0.841_344_746_068_542_9), (-2.0, 0.022_750_131_948_179_21), (4.0, 0.999_968_328_758_166_9)]
     {
-        assert!((normal_share(x) / stated - 1.0).abs() < 1e-14);
+        assert!((gaussian_cdf(x) / stated - 1.0).abs() < 1e-14);
     }
-    assert!((normal_share(-6.0) / 9.865_876_450_376_98e-10 - 1.0).abs() < 1e-12);
+    assert!((gaussian_cdf(-6.0) / 9.865_876_450_376_98e-10 - 1.0).abs() < 1e-12);
     assert!((erfc(2.5 - 1e-9) / erfc(2.5 + 1e-9) - 1.0).abs() < 2e-8);
-    assert!((normal_density(1.0) - 0.241_970_724_519_143_37).abs() < 1e-15);
+    assert!((gaussian_pdf(1.0) - 0.241_970_724_519_143_37).abs() < 1e-15);
 }
 
 /// Against quadrature over the slopes: from above, at a slant, and near the horizon of the mean plane.
@@ -202,7 +221,7 @@ fn visible_moments_are_those_of_the_weighted_slopes() {
             let at = |i: i32| 14.0 * (f64::from(i) + 0.5) / f64::from(STEPS) - 7.0;
             let (p, q) = (at(i % STEPS), at(i / STEPS));
             let s = m.mean + DVec2::new(xx * p, yx * p + yy * q);
-            let density = normal_density(p) * normal_density(q) * (14.0 / f64::from(STEPS)).powi(2);
+            let density = gaussian_pdf(p) * gaussian_pdf(q) * (14.0 / f64::from(STEPS)).powi(2);
             area += density * (v.z - s.dot(v.truncate())).max(0.0);
             let weight = density * visible_weight(m, v, s);
             sum += weight;

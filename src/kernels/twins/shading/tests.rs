@@ -110,7 +110,7 @@ fn diffuse_of_gaussian_slopes() {
     for (z, angle) in [(0.9, 0.4), (0.1, 2.0), (0.0, 4.0), (-0.3, 1.0)] {
         let l = direction(z, angle);
         let tau = ndf::tensor_form(covariance, l.truncate()).sqrt();
-        let lit = |x: f64| (l.z - mean.dot(l.truncate()) - tau * x).max(0.0) * normal_density(x);
+        let lit = |x: f64| (l.z - mean.dot(l.truncate()) - tau * x).max(0.0) * gaussian_pdf(x);
         let sum: f64 = (0..40_000).map(|i| lit((f64::from(i) + 0.5) / 2000.0 - 10.0) / 2000.0).sum();
         assert!((sum - diffuse_gaussian(l, mean, covariance)).abs() < 1e-6);
     }

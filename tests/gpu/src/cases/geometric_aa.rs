@@ -48,7 +48,11 @@ pub(super) fn tensor(sweep: Sweep) -> Sweep {
 
 /// Derivatives per pixel along both axes of the screen.
 pub(super) fn derivatives(sweep: Sweep, components: usize) -> Sweep {
-    (0..2 * components).fold(sweep, |sweep, _| sweep.signed_log(1e-4, 0.7))
+    derivatives_of(sweep, components, 1e-4, 0.7)
+}
+
+fn derivatives_of(sweep: Sweep, components: usize, low: f64, high: f64) -> Sweep {
+    (0..2 * components).fold(sweep, |sweep, _| sweep.signed_log(low, high))
 }
 
 fn filter(sweep: Sweep) -> Sweep {
@@ -83,8 +87,54 @@ fn with_kernel(sweep: Sweep) -> Vec<Vec<f64>> {
     with_tensor(derivatives(tensor(sweep), 2).inputs()).into_iter().map(kernel).collect()
 }
 
+/// Of narrow lobes along the axes, for which [`TENSOR`] would be all of alpha^2: relative, but for the mixed entry, which is
+/// the kernel's and may cancel.
+const NARROW: Bound = Bound { absolute: 1e-12, relative: 1e-6 };
+
+/// Round lobes and lobes of two widths along the axes, and derivatives as small.
+fn narrow() -> Sweep {
+    derivatives_of(Sweep::new(1500).log(0.001, 0.05).log(0.001, 0.05).one_of(&[0.0]), 2, 1e-6, 1e-3)
+}
+
+fn narrow_inputs(sweep: Sweep) -> Vec<Vec<f64>> {
+    let mut inputs = sweep.inputs();
+    for call in inputs.iter_mut().step_by(3) {
+        call[1] = call[0];
+    }
+    with_tensor(inputs)
+}
+
+fn narrow_cases() -> Vec<Case> {
+    let case = |name, inputs, twin| Case { name, inputs, twin, bound: NARROW };
+    let kernels = || {
+        let calls = narrow_inputs(narrow()).into_iter();
+        calls.map(|a| [&a[..3], kernel_of(&a, 3, twins::SIGMA2_PEAK).as_ref()].concat()).collect()
+    };
+    let means = || Sweep::new(300).log(1e-8, 1e-3).log(1e-10, 1e-3).edges(&[0.0]).inputs();
+    vec![
+        case("mf_add_kernel", kernels(), |a| twins::add_kernel(v3(a, 0), v3(a, 3)).to_array().into()),
+        case("mf_add_kernel_projected", kernels(), |a| {
+            twins::add_kernel_projected(v3(a, 0), v3(a, 3)).to_array().into()
+        }),
+        case("mf_add_kernel_mean", means(), |a| vec![twins::add_kernel_mean(a[0], a[1])]),
+        case("mf_add_kernel_projected_mean", means(), |a| vec![twins::add_kernel_projected_mean(a[0], a[1])]),
+        case("mf_aa_2019", narrow_inputs(filter(narrow())), |a| {
+            twins::aa_2019(v3(a, 0), v2(a, 3), v2(a, 5), a[7]).to_array().into()
+        }),
+        case("mf_aa_2021", narrow_inputs(filter(narrow())), |a| {
+            twins::aa_2021(v3(a, 0), v2(a, 3), v2(a, 5), a[7]).to_array().into()
+        }),
+    ]
+}
+
 /// All functions.
 pub fn cases() -> Vec<Case> {
+    let mut all = wide_cases();
+    all.extend(narrow_cases());
+    all
+}
+
+fn wide_cases() -> Vec<Case> {
     let whole = |components: usize| with_tensor(with_kappa(derivatives(tensor(Sweep::new(2000)), components)).inputs());
     let unclamped = || with_tensor(filter(derivatives(tensor(Sweep::new(2000)), 2)).inputs());
     let normals = || with_kappa(derivatives(Sweep::new(1000).log(1e-6, 1.0), 3)).inputs();

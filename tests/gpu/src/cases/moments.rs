@@ -16,6 +16,9 @@ const REBUILT: Bound = Bound { absolute: 3e-5, relative: 5e-7 };
 /// Vulkan's sine and cosine are good to 2^-11 by the letter and to 5e-7 here; a tensor has that of its larger entry.
 const TURNED: Bound = Bound { absolute: 1e-6, relative: 1e-6 };
 
+/// The mid-gray of 8 bits: no direction.
+const GRAY: f64 = 128.0 / 255.0;
+
 fn lobe(l: Lobe) -> Vec<f64> {
     [l.normal.to_array(), l.tensor.to_array()].concat()
 }
@@ -64,13 +67,17 @@ fn decoding() -> Vec<Case> {
     vec![
         Case {
             name: "mf_decode_normal_signed",
-            inputs: convention(Sweep::new(1000).sphere().edges(&[0.0, 0.0, 0.0])).inputs(),
+            inputs: convention(Sweep::new(1000).sphere().edges(&[0.0, 0.0, 0.0, 0.0, 0.09, 0.0, 0.08, 0.0, 0.08]))
+                .inputs(),
             twin: |a| twins::decode_normal_signed(v3(a, 0), a[3], a[4]).to_array().into(),
             bound: NORMAL,
         },
         Case {
             name: "mf_decode_normal",
-            inputs: convention(texel(Sweep::new(1000), 3)).inputs(),
+            inputs: convention(texel(Sweep::new(1000), 3))
+                .and(&[GRAY, GRAY, GRAY, 1.0, 1.0])
+                .and(&[GRAY, GRAY, GRAY, -1.0, 20.0])
+                .inputs(),
             // Short vectors within the cube lose digits in 2 v - 1.
             bound: Bound { absolute: 5e-7, ..NORMAL },
             twin: |a| twins::decode_normal(v3(a, 0), a[3], a[4]).to_array().into(),
@@ -110,6 +117,7 @@ fn decoding() -> Vec<Case> {
                 .inputs()
                 .into_iter()
                 .map(|a| vec![0.5 + 0.5 * a[0] * a[2], 0.5 + 0.5 * a[1] * a[2], a[3], a[4]])
+                .chain([vec![GRAY, GRAY, 0.7, 0.5], vec![GRAY, 1.0 - GRAY, 1.0, 0.3]])
                 .collect(),
             // The shortest directions lose digits in 2 v - 1.
             bound: Bound { absolute: 5e-7, ..TENSOR },
@@ -262,14 +270,14 @@ fn working() -> Vec<Case> {
             bound: Bound { absolute: 3e-5, relative: 2e-6 },
         },
         Case {
-            name: "mf_normal_density",
+            name: "mf_gaussian_pdf",
             inputs: Sweep::new(300).linear(-12.0, 12.0).edges(&[0.0]).inputs(),
-            twin: |a| vec![twins::normal_density(a[0])],
+            twin: |a| vec![twins::gaussian_pdf(a[0])],
             // The exponential's argument is rounded: 72 times 6e-8.
             bound: Bound { absolute: 1e-9, relative: 5e-6 },
         },
         Case {
-            name: "mf_normal_share",
+            name: "mf_gaussian_cdf",
             inputs: Sweep::new(500)
                 .linear(-12.0, 12.0)
                 .signed_log(1e-3, 4.0)
@@ -278,7 +286,7 @@ fn working() -> Vec<Case> {
                 .flatten()
                 .map(|x| vec![x])
                 .collect(),
-            twin: |a| vec![twins::normal_share(a[0])],
+            twin: |a| vec![twins::gaussian_cdf(a[0])],
             // The polynomial's own 7.5e-8, and roundings.
             bound: Bound { absolute: 4e-7, relative: 0.0 },
         },

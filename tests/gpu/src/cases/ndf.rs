@@ -182,6 +182,17 @@ fn slope_lobes() -> Vec<Case> {
         case("mf_slope_lobe", lobes().filter(full).collect(), Bound { absolute: 0.0, relative: 4e-6 }, twin),
         // Entries up to 25, of terms of either sign.
         case("mf_slope_lobe", lobes().collect(), Bound { absolute: 2e-6, relative: 2e-6 }, twin),
+        // Normals along x, where the tangent is -z and the bitangent turns with the sign.
+        case(
+            "mf_slope_lobe",
+            [1.0, -1.0]
+                .into_iter()
+                .flat_map(|x| [[x, 0.0, 0.0], [x, 0.0, 1e-7]])
+                .flat_map(|n| [[0.3, 0.1, 0.2], [0.2, -0.15, 0.5]].map(|r| [n, r].concat()))
+                .collect(),
+            Bound { absolute: 2e-6, relative: 2e-6 },
+            twin,
+        ),
         case(
             "mf_round_lobe",
             round()
