@@ -56,8 +56,8 @@ const float MF_LEAST_SLOPE_COSINE = 1.0e-4;
 const float MF_LARGEST_ENERGY = 2.5;
 
 // Unit normal from components -1 to 1 as OpenEXR files hold them. y_sign: 1 for OpenGL maps (green up), -1 for DirectX maps;
-// scale: the material's normal scale (glTF normalTexture.scale), 1 for none. Straight up where n is no longer than 0.1, as mid-gray of
-// 8 bits is: that has no direction, and `mipfold build` reads it so too.
+// scale: the material's normal scale (glTF normalTexture.scale), 1 for none. Straight up where n is no longer
+// than 0.1, as mid-gray of 8 bits is: that has no direction, and `mipfold build` reads it so too.
 vec3 mf_decode_normal_signed(vec3 n, float y_sign, float scale) {
     vec3 scaled = vec3(scale * n.x, scale * y_sign * n.y, n.z);
     float length2 = dot(scaled, scaled);

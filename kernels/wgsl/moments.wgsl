@@ -51,8 +51,8 @@ const MF_LEAST_SLOPE_COSINE: f32 = 1.0e-4;
 const MF_LARGEST_ENERGY: f32 = 2.5;
 
 // Unit normal from components -1 to 1 as OpenEXR files hold them. y_sign: 1 for OpenGL maps (green up), -1 for DirectX maps;
-// scale: the material's normal scale (glTF normalTexture.scale), 1 for none. Straight up where n is no longer than 0.1, as mid-gray of
-// 8 bits is: that has no direction, and `mipfold build` reads it so too.
+// scale: the material's normal scale (glTF normalTexture.scale), 1 for none. Straight up where n is no longer
+// than 0.1, as mid-gray of 8 bits is: that has no direction, and `mipfold build` reads it so too.
 fn mf_decode_normal_signed(n: vec3f, y_sign: f32, scale: f32) -> vec3f {
     let scaled: vec3f = vec3f(scale * n.x, scale * y_sign * n.y, n.z);
     let length2: f32 = dot(scaled, scaled);

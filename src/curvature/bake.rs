@@ -72,7 +72,8 @@ pub struct Baked {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Level {
     /// What to add to a texel's [`RoughnessTensor`], axes (row, column), row 0 at v = 1; in the frame of the surface there.
-    /// Not capped: eigenvalues reach from 0 to 2, and about 1 where a texel holds a whole hemisphere.
+    /// Not capped: eigenvalues reach from 0 to 2. A texel that holds a whole hemisphere has 2/3 on both axes, one that
+    /// holds half a cylinder 1 around it and 0 along it.
     pub added: Array2<RoughnessTensor>,
     /// Share of each texel that surface lies on: 0 none (padded or 0), 1 all of it, more where surfaces overlap.
     pub coverage: Array2<f32>,

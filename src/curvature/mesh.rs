@@ -82,6 +82,8 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Mesh> {
 /// The mesh of a file's bytes; `path` is for messages and for the files beside it.
 pub(super) fn parse(path: &Path, bytes: &[u8], options: &LoadOptions) -> Result<Mesh> {
     let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
+    // Some editors begin text files with a byte order mark, which belongs to no format here.
+    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     let text = bytes.trim_ascii_start();
     let pieces = if bytes.starts_with(b"glTF") || text.starts_with(b"{") {
         gltf::read(path, bytes, options.uv_set)?
@@ -101,11 +103,20 @@ pub(super) fn parse(path: &Path, bytes: &[u8], options: &LoadOptions) -> Result<
 }
 
 /// A whole file; not a folder, and nothing that never ends.
-pub(super) fn read_file(path: &Path) -> Result<Vec<u8>> {
+fn read_file(path: &Path) -> Result<Vec<u8>> {
+    read_file_up_to(path, u64::MAX)
+}
+
+/// A whole file, unless it is longer than `most` bytes.
+pub(super) fn read_file_up_to(path: &Path, most: u64) -> Result<Vec<u8>> {
     let there = path.metadata().map_err(|error| Error::io(path, error))?;
     if !there.is_file() {
         let found = if there.is_dir() { "a folder" } else { "something that is not a file" };
         return Err(Error::invalid(path, found, "a mesh file"));
+    }
+    if there.len() > most {
+        let found = format!("a file of {} bytes", there.len());
+        return Err(Error::unsupported(path, found, format!("up to {most} bytes here")));
     }
     std::fs::read(path).map_err(|error| Error::io(path, error))
 }

@@ -20,6 +20,13 @@ struct Faces {
     vertices: HashMap<Corner, u32>,
 }
 
+/// A material, and where its faces without and with texture coordinates are, once it has some.
+#[derive(Default)]
+struct Material {
+    name: Option<String>,
+    faces: [Option<usize>; 2],
+}
+
 /// What the lines so far have listed.
 #[derive(Default)]
 struct Lists {
@@ -33,8 +40,10 @@ struct Lists {
 pub(super) fn read(path: &Path, bytes: &[u8]) -> Result<Vec<Piece>> {
     let mut lists = Lists::default();
     let mut faces: Vec<Faces> = Vec::new();
-    let mut places: HashMap<(Option<String>, bool), usize> = HashMap::new();
-    let mut material: Option<String> = None;
+    // Names are looked up where they are given and faces go by number: there are far more faces than names.
+    let mut numbers_of: HashMap<Option<String>, usize> = HashMap::from([(None, 0)]);
+    let mut materials = vec![Material::default()];
+    let mut material = 0;
     let mut corners: Vec<Corner> = Vec::new();
     for (i, line) in bytes.split(|&b| b == b'\n').enumerate() {
         let text = String::from_utf8_lossy(line);
@@ -51,7 +60,13 @@ pub(super) fn read(path: &Path, bytes: &[u8]) -> Result<Vec<Piece>> {
                 lists.normals.push(numbers(words, 3).map(Vec3::from).ok_or_else(|| wrong("three coordinates"))?);
             }
             Some("vt") => lists.uvs.push(numbers(words, 1).map(Vec2::from).ok_or_else(|| wrong("coordinates"))?),
-            Some("usemtl") => material = text.trim().split_once([' ', '\t']).map(|(_, name)| name.trim().to_owned()),
+            Some("usemtl") => {
+                let name = text.trim().split_once([' ', '\t']).map(|(_, name)| name.trim().to_owned());
+                material = *numbers_of.entry(name).or_insert_with_key(|name| {
+                    materials.push(Material { name: name.clone(), faces: [None; 2] });
+                    materials.len() - 1
+                });
+            }
             Some("f") => {
                 corners.clear();
                 for word in words {
@@ -61,9 +76,10 @@ pub(super) fn read(path: &Path, bytes: &[u8]) -> Result<Vec<Piece>> {
                     return Err(wrong("three corners or more"));
                 }
                 let has_uvs = corners.iter().all(|corner| corner.1.is_some());
-                let place = *places.entry((material.clone(), has_uvs)).or_insert_with(|| {
+                let Material { name, faces: places } = &mut materials[material];
+                let place = *places[usize::from(has_uvs)].get_or_insert_with(|| {
                     let uvs = has_uvs.then(Vec::new);
-                    let piece = Piece { material: material.clone(), uvs, ..Piece::default() };
+                    let piece = Piece { material: name.clone(), uvs, ..Piece::default() };
                     faces.push(Faces { piece, ..Faces::default() });
                     faces.len() - 1
                 });

@@ -21,6 +21,10 @@ pub(super) fn dilate(size: Size, tensors: &mut [RoughnessTensor], coverage: &[f3
     let border = |i: &usize, filled: &[bool]| !filled[*i] && around(*i).any(|j| filled[j]);
     let mut front: Vec<usize> = (0..filled.len()).into_par_iter().filter(|i| border(i, &filled)).collect();
     for _ in 0..steps {
+        // All is filled; there may be any number of steps left.
+        if front.is_empty() {
+            break;
+        }
         let mean = |&i: &usize| {
             let (mut sum, mut count) = (RoughnessTensor::default(), 0.0);
             for j in around(i).filter(|&j| filled[j]) {
@@ -54,5 +58,7 @@ mod tests {
         let xx: Vec<f32> = tensors.iter().map(|t| t.xx).collect();
         assert_eq!(xx, [1.0, 1.0, 3.0, 3.0, 3.0, 3.0, 1.0, 1.0]);
         dilate(size, &mut tensors, &[0.0; 8], 2);
+        // Ends when all is filled.
+        dilate(size, &mut tensors, &coverage, usize::MAX);
     }
 }

@@ -1,24 +1,24 @@
 //! Numbers out of buffers (glTF 2.0, 3.6.2). Nothing is allocated before its bytes are known to be there.
 
-use std::borrow::Cow;
 use std::path::Path;
 
+use super::container::Buffers;
 use super::document::{Accessor, Document};
 use super::item;
 use crate::error::{Error, Result};
 
 /// A file's accessors.
-pub(super) struct Reader<'a> {
+pub(super) struct Reader<'a, 'f> {
     pub path: &'a Path,
     pub document: &'a Document,
-    pub buffers: &'a [Cow<'a, [u8]>],
+    pub buffers: &'a Buffers<'f>,
 }
 
-/// The elements of an accessor, `stride` bytes apart.
-struct Elements<'a> {
+/// The elements of an accessor, N numbers each, `stride` bytes apart: known to be there, and not yet copied.
+pub(super) struct Elements<'a, const N: usize> {
     bytes: &'a [u8],
     stride: usize,
-    count: usize,
+    pub count: usize,
     component: Component,
     normalized: bool,
 }
@@ -43,11 +43,10 @@ impl Component {
     }
 }
 
-impl Reader<'_> {
-    /// Vectors of N numbers. Integers that stand for 0..1 or -1..1 are scaled (`KHR_mesh_quantization` allows others).
-    pub fn floats<const N: usize>(&self, index: usize) -> Result<Vec<[f32; N]>> {
-        let shape = if N == 3 { "VEC3" } else { "VEC2" };
-        let e = self.elements(index, shape, N)?;
+impl<const N: usize> Elements<'_, N> {
+    /// The numbers. Integers that stand for 0..1 or -1..1 are scaled (`KHR_mesh_quantization` allows others).
+    pub fn floats(&self) -> Vec<[f32; N]> {
+        let e = self;
         let size = e.component.size();
         let scale = |most: f32| if e.normalized { 1.0 / most } else { 1.0 };
         let number = |b: &[u8]| match e.component {
@@ -66,25 +65,28 @@ impl Reader<'_> {
             let bytes = &e.bytes[i * e.stride..];
             std::array::from_fn(|k| number(&bytes[k * size..]))
         };
-        Ok((0..e.count).map(element).collect())
+        (0..e.count).map(element).collect()
     }
+}
 
-    /// Vertex indices.
-    pub fn indices(&self, index: usize) -> Result<Vec<u32>> {
-        let e = self.elements(index, "SCALAR", 1)?;
+impl Elements<'_, 1> {
+    /// The numbers as vertex indices; nothing if they are of another kind.
+    pub fn indices(&self) -> Option<Vec<u32>> {
+        let e = self;
         let number = |b: &[u8]| match e.component {
             Component::U8 => Some(u32::from(b[0])),
             Component::U16 => Some(u32::from(u16::from_le_bytes([b[0], b[1]]))),
             Component::U32 => Some(u32::from_le_bytes([b[0], b[1], b[2], b[3]])),
             _ => None,
         };
-        (0..e.count).map(|i| number(&e.bytes[i * e.stride..])).collect::<Option<_>>().ok_or_else(|| {
-            let found = format!("accessor {index} of signed or float indices");
-            Error::invalid(self.path, found, "unsigned indices")
-        })
+        (0..e.count).map(|i| number(&e.bytes[i * e.stride..])).collect()
     }
+}
 
-    fn elements(&self, index: usize, shape: &str, numbers: usize) -> Result<Elements<'_>> {
+impl<'a> Reader<'a, '_> {
+    /// The elements of an accessor, checked against the bytes that hold them; this loads the buffer.
+    pub fn elements<const N: usize>(&self, index: usize) -> Result<Elements<'a, N>> {
+        let shape = ["SCALAR", "VEC2", "VEC3", "VEC4"][N - 1];
         let a: &Accessor = item(self.path, &self.document.accessors, index, "accessor")?;
         let wrong = |found: String, expected: String| Error::invalid(self.path, found, expected);
         if a.shape != shape {
@@ -107,12 +109,12 @@ impl Reader<'_> {
         };
         let view_index = view;
         let view = item(self.path, &self.document.buffer_views, view, "buffer view")?;
-        let buffer = item(self.path, self.buffers, view.buffer, "buffer")?;
+        let buffer = self.buffers.get(view.buffer)?;
         let bytes = range(buffer, view.byte_offset, view.byte_length).ok_or_else(|| {
             let found = format!("buffer view {view_index}: {} bytes from byte {}", view.byte_length, view.byte_offset);
             wrong(found, format!("a place inside the {} bytes of buffer {}", buffer.len(), view.buffer))
         })?;
-        let size = (component.size() * numbers) as u64;
+        let size = (component.size() * N) as u64;
         let stride = view.byte_stride.unwrap_or(size);
         let end = a.count.saturating_sub(1).checked_mul(stride).and_then(|last| last.checked_add(size));
         let length = if a.count == 0 { Some(0) } else { end };

@@ -1,20 +1,27 @@
 //! The JSON and the buffers of a file: chunks of a .glb, files beside it, data in the JSON itself.
 
 use std::borrow::Cow;
-use std::path::Path;
+use std::cell::{Cell, OnceCell};
+use std::collections::HashMap;
+use std::path::{Component, Path};
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 
-use super::super::mesh::read_file;
+use super::super::mesh::read_file_up_to;
 use super::document::{Buffer, Document};
+use super::item;
 use crate::error::{Error, Result};
 
 const JSON: u32 = u32::from_le_bytes(*b"JSON");
 const BIN: u32 = u32::from_le_bytes(*b"BIN\0");
 
-/// The document and the bytes of its buffers, each at least as long as it says.
-pub(super) fn open<'a>(path: &Path, bytes: &'a [u8]) -> Result<(Document, Vec<Cow<'a, [u8]>>)> {
+/// The most bytes that the buffers of a file may hold: 8 GiB, as a mesh of the most vertices needs at 100 bytes each,
+/// and twice what a .glb can hold. A small file may name large ones.
+const MOST_BUFFER_BYTES: u64 = 1 << 33;
+
+/// The document, and the binary chunk if there is one.
+pub(super) fn open<'a>(path: &Path, bytes: &'a [u8]) -> Result<(Document, Option<&'a [u8]>)> {
     let (json, binary) = if bytes.starts_with(b"glTF") { chunks(path, bytes)? } else { (bytes, None) };
     let json = json.strip_prefix(b"\xef\xbb\xbf").unwrap_or(json);
     let document: Document =
@@ -23,17 +30,80 @@ pub(super) fn open<'a>(path: &Path, bytes: &'a [u8]) -> Result<(Document, Vec<Co
         let found = format!("glTF version {:?}", document.asset.version);
         return Err(Error::unsupported(path, found, "glTF 2.0"));
     }
-    let buffers = (document.buffers.iter().enumerate())
-        .map(|(i, buffer)| {
-            let data = data(path, i, buffer, binary)?;
-            if (data.len() as u64) < buffer.byte_length {
-                let expected = format!("the {} that the file claims", buffer.byte_length);
-                return Err(Error::invalid(path, format!("{} bytes in buffer {i}", data.len()), expected));
+    Ok((document, binary))
+}
+
+/// The buffers of a document, each loaded when it is first asked for: many files hold buffers that no triangle needs.
+pub(super) struct Buffers<'a> {
+    path: &'a Path,
+    buffers: &'a [Buffer],
+    binary: Option<&'a [u8]>,
+    /// For each buffer the first one with the same uri, whose bytes it shares.
+    first: Vec<usize>,
+    loaded: Vec<OnceCell<Cow<'a, [u8]>>>,
+    /// Bytes that may still be loaded.
+    room: Cell<u64>,
+}
+
+impl<'a> Buffers<'a> {
+    pub fn new(path: &'a Path, buffers: &'a [Buffer], binary: Option<&'a [u8]>) -> Self {
+        let mut places: HashMap<&str, usize> = HashMap::new();
+        let first = (buffers.iter().enumerate())
+            .map(|(i, buffer)| buffer.uri.as_deref().map_or(i, |uri| *places.entry(uri).or_insert(i)))
+            .collect();
+        let loaded = buffers.iter().map(|_| OnceCell::new()).collect();
+        Self { path, buffers, binary, first, loaded, room: Cell::new(MOST_BUFFER_BYTES) }
+    }
+
+    /// The bytes of a buffer, at least as many as it says.
+    pub fn get(&self, index: usize) -> Result<&[u8]> {
+        let buffer = item(self.path, self.buffers, index, "buffer")?;
+        let cell = &self.loaded[self.first[index]];
+        let data = match cell.get() {
+            Some(data) => data,
+            None => {
+                let data = self.load(index, buffer)?;
+                cell.get_or_init(|| data)
             }
-            Ok(data)
-        })
-        .collect::<Result<_>>()?;
-    Ok((document, buffers))
+        };
+        if (data.len() as u64) < buffer.byte_length {
+            let expected = format!("the {} that the file claims", buffer.byte_length);
+            return Err(Error::invalid(self.path, format!("{} bytes in buffer {index}", data.len()), expected));
+        }
+        Ok(data)
+    }
+
+    fn load(&self, index: usize, buffer: &Buffer) -> Result<Cow<'a, [u8]>> {
+        let path = self.path;
+        let Some(uri) = &buffer.uri else {
+            return match self.binary {
+                Some(binary) if index == 0 => Ok(Cow::Borrowed(binary)),
+                _ => Err(Error::invalid(path, format!("buffer {index} without data"), "a uri or a binary chunk")),
+            };
+        };
+        if let Some(rest) = uri.strip_prefix("data:") {
+            // In memory already and bounded by the file itself, so it takes no room.
+            let Some((_, text)) = rest.split_once(";base64,") else {
+                return Err(Error::unsupported(path, format!("a data URI in buffer {index}"), "base64 data"));
+            };
+            return STANDARD
+                .decode(text)
+                .map(Cow::Owned)
+                .map_err(|error| Error::invalid(path, format!("base64 in buffer {index}: {error}"), "base64 data"));
+        }
+        // A model from elsewhere has no business outside its own folder.
+        let below = |name: &String| {
+            let mut parts = Path::new(name).components();
+            !name.contains("://") && parts.all(|part| matches!(part, Component::Normal(_) | Component::CurDir))
+        };
+        let Some(name) = unescaped(uri).filter(below) else {
+            let expected = "a file relative to this one, in its folder or below";
+            return Err(Error::unsupported(path, format!("{uri:?} in buffer {index}"), expected));
+        };
+        let data = read_file_up_to(&path.parent().unwrap_or(Path::new("")).join(name), self.room.get())?;
+        self.room.set(self.room.get().saturating_sub(data.len() as u64));
+        Ok(Cow::Owned(data))
+    }
 }
 
 /// The JSON chunk and the binary chunk, if there is one (glTF 2.0, 4.4).
@@ -71,30 +141,6 @@ fn chunks<'a>(path: &Path, bytes: &'a [u8]) -> Result<(&'a [u8], Option<&'a [u8]
     Ok((json, binary))
 }
 
-fn data<'a>(path: &Path, index: usize, buffer: &Buffer, binary: Option<&'a [u8]>) -> Result<Cow<'a, [u8]>> {
-    let Some(uri) = &buffer.uri else {
-        return match binary {
-            Some(binary) if index == 0 => Ok(Cow::Borrowed(binary)),
-            _ => Err(Error::invalid(path, format!("buffer {index} without data"), "a uri or a binary chunk")),
-        };
-    };
-    if let Some(rest) = uri.strip_prefix("data:") {
-        let Some((_, text)) = rest.split_once(";base64,") else {
-            return Err(Error::unsupported(path, format!("a data URI in buffer {index}"), "base64 data"));
-        };
-        return STANDARD
-            .decode(text)
-            .map(Cow::Owned)
-            .map_err(|error| Error::invalid(path, format!("base64 in buffer {index}: {error}"), "base64 data"));
-    }
-    let name = unescaped(uri);
-    let inside = name.as_ref().is_some_and(|name| !name.contains("://") && !Path::new(name).is_absolute());
-    let Some(name) = name.filter(|_| inside) else {
-        return Err(Error::unsupported(path, format!("{uri:?} in buffer {index}"), "a file relative to this one"));
-    };
-    Ok(Cow::Owned(read_file(&path.parent().unwrap_or(Path::new("")).join(name))?))
-}
-
 /// A uri with its `%20`s as characters (RFC 3986, 2.1); nothing if that is no text.
 fn unescaped(uri: &str) -> Option<String> {
     let mut out = Vec::with_capacity(uri.len());
@@ -118,5 +164,25 @@ mod tests {
         assert_eq!(unescaped("a%20b%c3%a9.bin").as_deref(), Some("a b\u{e9}.bin"));
         assert_eq!(unescaped("100%").as_deref(), Some("100%"));
         assert_eq!(unescaped("%ff"), None);
+    }
+
+    #[test]
+    fn a_file_is_read_once_and_all_files_have_one_limit() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.gltf");
+        for name in ["a.bin", "b.bin"] {
+            std::fs::write(folder.path().join(name), [7; 100]).unwrap();
+        }
+        let of = |uri: &str, byte_length| Buffer { uri: Some(uri.to_owned()), byte_length };
+        let list = [of("a.bin", 100), of("a.bin", 60), of("b.bin", 100), of("a.bin", 101)];
+        let mut buffers = Buffers::new(&path, &list, None);
+        buffers.room = Cell::new(150);
+        let first = buffers.get(0).unwrap();
+        assert!(std::ptr::eq(first, buffers.get(1).unwrap()) && first.len() == 100);
+        let error = buffers.get(2).unwrap_err().to_string();
+        assert!(error.contains("b.bin: a file of 100 bytes") && error.contains("up to 50 bytes"), "{error}");
+        assert!(buffers.get(3).unwrap_err().to_string().contains("100 bytes in buffer 3"));
+        buffers.room = Cell::new(200);
+        assert!(buffers.get(2).is_ok());
     }
 }

@@ -14,20 +14,34 @@ use glam::{DMat3, DMat4, DQuat, DVec3, Vec2, Vec3};
 use super::mesh::{Piece, too_many};
 use crate::error::{Error, Result};
 use accessor::Reader;
+use container::Buffers;
 use document::{Document, Node, Primitive};
+
+/// The most primitives that a scene may show, each counted as often as nodes show its mesh: 2^20, ten times what large
+/// scenes have. Without a limit a file of N nodes that show one mesh of P primitives takes the time and memory of N * P.
+const MOST_SHOWN: usize = 1 << 20;
 
 /// The pieces of the scene: one for each primitive of each node that shows it.
 pub(super) fn read(path: &Path, bytes: &[u8], uv_set: usize) -> Result<Vec<Piece>> {
-    let (document, buffers) = container::open(path, bytes)?;
+    let (document, binary) = container::open(path, bytes)?;
     for extension in &document.extensions_required {
         if ["KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_meshopt_compression"].contains(&&**extension)
         {
             return Err(Error::unsupported(path, format!("compression ({extension})"), "plain vertices"));
         }
     }
+    let placed = placed(path, &document)?;
+    let mut shown = 0usize;
+    for &(mesh, _) in &placed {
+        shown = shown.saturating_add(item(path, &document.meshes, mesh, "mesh")?.primitives.len());
+    }
+    if shown > MOST_SHOWN {
+        return Err(Error::unsupported(path, format!("a scene of {shown} primitives"), format!("up to {MOST_SHOWN}")));
+    }
+    let buffers = Buffers::new(path, &document.buffers, binary);
     let reader = Reader { path, document: &document, buffers: &buffers };
     let (mut pieces, mut vertices, mut triangles) = (Vec::new(), 0, 0);
-    for (mesh, transform) in placed(path, &document)? {
+    for (mesh, transform) in placed {
         for primitive in &item(path, &document.meshes, mesh, "mesh")?.primitives {
             let Some(piece) = piece(&reader, primitive, &transform, uv_set)? else { continue };
             (vertices, triangles) = (vertices + piece.positions.len(), triangles + piece.triangles.len());
@@ -100,7 +114,7 @@ fn local(path: &Path, index: usize, node: &Node) -> Result<DMat4> {
     Ok(DMat4::from_scale_rotation_translation(scale, rotation, translation))
 }
 
-/// The triangles of a primitive in the scene's space; nothing for points, lines and primitives without positions.
+/// The triangles of a primitive in the scene's space; nothing for points, lines and primitives without triangles.
 fn piece(reader: &Reader, primitive: &Primitive, transform: &DMat4, uv_set: usize) -> Result<Option<Piece>> {
     let Some(&positions) = primitive.attributes.get("POSITION") else { return Ok(None) };
     if !matches!(primitive.mode, 4..=6) {
@@ -111,12 +125,29 @@ fn piece(reader: &Reader, primitive: &Primitive, transform: &DMat4, uv_set: usiz
     {
         return Err(Error::unsupported(reader.path, "compression (KHR_draco_mesh_compression)", "plain vertices"));
     }
-    let positions = reader.floats::<3>(positions)?;
-    let normals = primitive.attributes.get("NORMAL").map(|&i| reader.floats::<3>(i)).transpose()?;
-    let uvs = primitive.attributes.get(&format!("TEXCOORD_{uv_set}")).map(|&i| reader.floats::<2>(i)).transpose()?;
-    let indices = match primitive.indices {
-        Some(i) => reader.indices(i)?,
-        None => (0..positions.len() as u32).collect(),
+    let attribute = |name: &str| primitive.attributes.get(name).copied();
+    let positions = reader.elements::<3>(positions)?;
+    let normals = attribute("NORMAL").map(|i| reader.elements::<3>(i)).transpose()?;
+    let uvs = attribute(&format!("TEXCOORD_{uv_set}")).map(|i| reader.elements::<2>(i)).transpose()?;
+    let indices = primitive.indices.map(|i| reader.elements::<1>(i).map(|elements| (i, elements))).transpose()?;
+    // Lengths are compared before anything is copied, which a scene may ask for many times.
+    let counts =
+        [("normals", normals.as_ref().map(|e| e.count)), ("texture coordinates", uvs.as_ref().map(|e| e.count))];
+    for (what, count) in counts {
+        if let Some(count) = count.filter(|&count| count != positions.count) {
+            let found = format!("{count} {what} for {} vertices", positions.count);
+            return Err(Error::invalid(reader.path, found, "one a vertex"));
+        }
+    }
+    if indices.as_ref().map_or(positions.count, |(_, e)| e.count) < 3 {
+        return Ok(None);
+    }
+    let indices: Vec<u32> = match indices {
+        Some((i, elements)) => elements.indices().ok_or_else(|| {
+            let found = format!("accessor {i} of signed or float indices");
+            Error::invalid(reader.path, found, "unsigned indices")
+        })?,
+        None => (0..positions.count as u32).collect(),
     };
     let turned = DMat3::from_mat4(*transform);
     let mirrored = turned.determinant() < 0.0;
@@ -137,10 +168,10 @@ fn piece(reader: &Reader, primitive: &Primitive, transform: &DMat4, uv_set: usiz
     };
     Ok(Some(Piece {
         material,
-        positions: positions.into_iter().map(point).collect(),
-        normals: normals.into_iter().flatten().map(direction).collect(),
+        positions: positions.floats().into_iter().map(point).collect(),
+        normals: normals.iter().flat_map(|normals| normals.floats()).map(direction).collect(),
         // glTF's v points down.
-        uvs: uvs.map(|uvs| uvs.into_iter().map(|[u, v]| Vec2::new(u, 1.0 - v)).collect()),
+        uvs: uvs.map(|uvs| uvs.floats().into_iter().map(|[u, v]| Vec2::new(u, 1.0 - v)).collect()),
         triangles: triangles(&indices, primitive.mode, mirrored),
     }))
 }

@@ -120,6 +120,55 @@ fn buffers_beside_the_file_are_found() {
 }
 
 #[test]
+fn buffers_that_no_triangle_needs_are_not_loaded() {
+    let mut json = embedded();
+    for uri in ["none.bin", "https://a.example/b", "data:,"] {
+        json["buffers"].as_array_mut().unwrap().push(json!({"byteLength": 1u64 << 50, "uri": uri}));
+    }
+    json["bufferViews"].as_array_mut().unwrap().push(json!({"buffer": 1, "byteLength": 12}));
+    let unused = json!({"bufferView": 4, "componentType": 5126, "count": 1, "type": "VEC3"});
+    json["accessors"].as_array_mut().unwrap().push(unused);
+    assert_eq!(read("a.gltf", json.to_string().as_bytes()).unwrap().triangles.len(), 4);
+    json["meshes"][0]["primitives"][0]["attributes"]["NORMAL"] = json!(4);
+    assert!(message("a.gltf", json.to_string().as_bytes()).contains("none.bin"));
+}
+
+#[test]
+fn a_scene_shows_a_limited_number_of_primitives() {
+    // 1025 nodes that show a mesh of 1024 primitives, empty ones, so that nothing else is in the way.
+    let mut json = embedded();
+    json["accessors"][3]["count"] = json!(0);
+    let primitive = json!({"attributes": {"POSITION": 0}, "indices": 3});
+    json["meshes"] = json!([{"primitives": vec![primitive; 1024]}]);
+    json["nodes"] = json!(vec![json!({"mesh": 0}); 1025]);
+    json["scenes"] = json!([]);
+    let found = message("a.gltf", json.to_string().as_bytes());
+    assert!(found.contains("a scene of 1049600 primitives") && found.contains("up to 1048576"), "{found}");
+    json["nodes"].as_array_mut().unwrap().pop();
+    assert!(message("a.gltf", json.to_string().as_bytes()).contains("no triangles"));
+}
+
+#[test]
+fn a_byte_order_mark_is_skipped() {
+    let (json, lists) = (embedded().to_string(), OBJ.replacen("# a square\n", "", 1));
+    for (name, text) in [("a.gltf", json.as_str()), ("a.obj", lists.as_str()), ("a.ply", PLY)] {
+        let marked = format!("\u{feff}{text}");
+        assert_eq!(read(name, marked.as_bytes()).unwrap(), read(name, text.as_bytes()).unwrap(), "{name}");
+    }
+}
+
+#[test]
+fn faces_of_obj_go_by_material_however_long_its_name() {
+    // Were the name copied for every face, this would copy 16 GB.
+    let name = "n".repeat(1 << 20);
+    let face = "f 1/1 2/2 3/3\n";
+    let text = format!("{OBJ}usemtl {name}\n{}usemtl blue\n{face}usemtl\n{face}", face.repeat(1 << 14));
+    let mesh = read("a.obj", text.as_bytes()).unwrap();
+    let parts: Vec<_> = mesh.parts.iter().map(|part| (part.material.as_deref(), part.triangles.len())).collect();
+    assert_eq!(parts, [(Some("red paint"), 1), (Some("blue"), 2), (Some(&*name), 1 << 14), (None, 1)]);
+}
+
+#[test]
 fn faults_of_gltf_are_named() {
     let changed = |pointer: &str, value: Value| {
         let mut json = embedded();
@@ -144,6 +193,9 @@ fn faults_of_gltf_are_named() {
         ("/buffers/0/uri", json!("data:x;base64,%%"), "base64 in buffer 0"),
         ("/buffers/0/uri", json!("https://a.example/b"), "relative to this one"),
         ("/buffers/0/uri", json!("/dev/zero"), "relative to this one"),
+        ("/buffers/0/uri", json!("../a.bin"), "in its folder or below"),
+        ("/buffers/0/uri", json!("a/%2e%2e/../b.bin"), "in its folder or below"),
+        ("/accessors/1/count", json!(3), "3 normals for 4 vertices"),
         ("/nodes/1/children", json!([0]), "node 0 held twice"),
         ("/nodes/1/children", json!([5]), "node 5 of 2"),
         ("/nodes/1/matrix", json!([1, 2]), "a matrix of 2 numbers in node 1"),
