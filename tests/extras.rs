@@ -6,7 +6,7 @@ mod common;
 use std::path::{Path, PathBuf};
 
 use common::desk::Desk;
-use common::{bump, channel, exr_levels, manifest, names, plane, png_levels, png16, shrink};
+use common::{bump, channel, entry, levels, manifest, names, plane, png_levels, png16, shrink};
 use glam::Vec3;
 use mipfold::compare::{Candidate, Settings, judge};
 use mipfold::fold::{Chain, Options, chain};
@@ -36,6 +36,22 @@ fn decoded(role: &str, float: bool, values: [f32; 3]) -> RoughnessTensor {
         _ if float => TensorRoot { xx: r, xy: b, yy: g }.tensor(),
         _ => TensorRoot::decoded([r, g, b]).tensor(),
     }
+}
+
+/// The same by the shader helpers' twins.
+fn by_shader(role: &str, float: bool, values: [f32; 3]) -> RoughnessTensor {
+    use mipfold::kernels::twins::moments as shader;
+    let texel = glam::DVec3::from_array(values.map(f64::from));
+    let tensor = match role {
+        "axes" if float => shader::decode_axes_signed(texel.x, texel.y, texel.z),
+        "axes" => shader::decode_axes(texel),
+        // As numbers in both containers.
+        "burley" => shader::decode_burley(texel),
+        _ if float => shader::decode_tensor_root_signed(texel),
+        _ => shader::decode_tensor_root(texel),
+    };
+    let [xx, xy, yy] = tensor.as_vec3().to_array();
+    RoughnessTensor { xx, xy, yy }
 }
 
 /// Every map of a real texture, in both containers, says what the lobes file says.
@@ -74,8 +90,10 @@ fn extra_maps_of_a_real_texture_hold_its_lobes() {
                     if role == "burley" && axes.alpha_y.0 < 0.1 * axes.alpha_x.0 {
                         continue;
                     }
-                    let got = decoded(role, float, [planes[0][i], planes[1][i], planes[2][i]]);
-                    assert!(apart(got, expected) < bound, "{role} {container}: {got:?} for {expected:?}");
+                    let values = [planes[0][i], planes[1][i], planes[2][i]];
+                    for got in [decoded(role, float, values), by_shader(role, float, values)] {
+                        assert!(apart(got, expected) < bound, "{role} {container}: {got:?} for {expected:?}");
+                    }
                 }
             }
         }
@@ -98,20 +116,6 @@ fn extra_maps_of_a_real_texture_hold_its_lobes() {
     let build = format!("--normal {} --roughness {} --name bark", input("normal.jpg"), input("roughness.jpg"));
     desk.build("out", &build);
     assert!(names(&out).iter().all(|name| !name.contains("axes") && !name.contains("energy")), "{:?}", names(&out));
-}
-
-fn entry<'a>(manifest: &'a serde_json::Value, role: &str, container: &str) -> &'a serde_json::Value {
-    let maps = manifest["maps"].as_array().unwrap();
-    maps.iter().find(|map| map["role"] == role && map["container"] == container).unwrap()
-}
-
-fn levels(folder: &Path, files: &serde_json::Value) -> Vec<mipfold::image::Raster> {
-    let files = common::strings(files);
-    if let [file] = &files[..] {
-        return exr_levels(&folder.join(file));
-    }
-    let stem = files[0].strip_suffix("_mip0.png").unwrap();
-    png_levels(folder, stem)
 }
 
 #[test]

@@ -2,8 +2,13 @@
 
 mod common;
 
-use common::mipfold;
+use common::desk::Desk;
+use common::{entry, levels, manifest, mipfold, plane};
+use glam::{DVec2, DVec3, DVec4};
+use mipfold::image::Raster;
+use mipfold::kernels::twins::moments as shader;
 use mipfold::kernels::{KERNELS, Language, bundle, by_name};
+use mipfold::material::read_lobes;
 
 fn printed(args: &[&str]) -> String {
     let run = mipfold().arg("kernels").args(args).output().unwrap();
@@ -43,4 +48,73 @@ fn an_unknown_file_is_told_with_all_that_there_are() {
     assert_eq!(run.status.code(), Some(2));
     let said = String::from_utf8(run.stderr).unwrap();
     assert!(said.contains("'nfd'") && KERNELS.iter().all(|kernel| said.contains(kernel.name)), "{said}");
+}
+
+/// Red, green, blue and alpha of all texels, by name where there are names; 0 for what is not there.
+fn texels(raster: &Raster) -> Vec<DVec4> {
+    let index = |c: usize| match raster.channels.iter().position(|name| name == ["R", "G", "B", "A"][c]) {
+        Some(index) => Some(index),
+        None if raster.channels.iter().any(|name| name == "G") => None,
+        None => (c < raster.channels.len()).then_some(c),
+    };
+    let planes = [0, 1, 2, 3].map(|c| index(c).map(|c| plane(raster, c)));
+    let at = |i: usize| planes.each_ref().map(|plane| plane.as_ref().map_or(0.0, |plane| f64::from(plane[i])));
+    let size = raster.size();
+    (0..size.texels()).map(|i| DVec4::from_array(at(i))).collect()
+}
+
+/// A mixture's maps, in both containers and conventions, decoded as shaders do, are what the lobes file says.
+#[test]
+fn shaders_read_what_build_writes() {
+    for (convention, y_sign) in [("opengl", 1.0), ("directx", -1.0)] {
+        let desk = Desk::new();
+        let maps = format!("--normal @n.png --normal-y {convention} --roughness @r.png --name wall");
+        let out = desk.build("out", &format!("{maps} --lobes 2-aniso --format png,exr --float"));
+        let lobes = read_lobes(&out.join("wall_lobes.exr")).unwrap().levels;
+        let manifest = manifest(&out);
+        for (container, bound) in [("png", 0.02), ("exr", 2e-5)] {
+            let float = container == "exr";
+            let roles = ["normal", "roughness", "anisotropy", "lobe", "lobe-anisotropy"];
+            let maps = roles.map(|role| levels(&out, &entry(&manifest, role, container)["files"]));
+            for (k, expected) in lobes.iter().enumerate() {
+                let [normal, roughness, anisotropy, further, further_anisotropy] =
+                    maps.each_ref().map(|map| texels(&map[k]));
+                for i in 0..normal.len() {
+                    let first = if float {
+                        shader::decode_normal_signed(normal[i].truncate(), y_sign, 1.0)
+                    } else {
+                        shader::decode_normal(normal[i].truncate(), y_sign, 1.0)
+                    };
+                    let second = if float {
+                        shader::decode_lobe_signed(further[i], y_sign, 1.0)
+                    } else {
+                        shader::decode_lobe(further[i], y_sign, 1.0)
+                    };
+                    let found = [
+                        (first, shader::decode_anisotropy(anisotropy[i].truncate(), roughness[i].x)),
+                        (second.normal, shader::decode_anisotropy(further_anisotropy[i].truncate(), further[i].w)),
+                    ];
+                    let weights = [shader::first_weight(DVec3::new(second.weight, 0.0, 0.0)), second.weight];
+                    let width = expected.size().width;
+                    for (j, (n, tensor)) in found.into_iter().enumerate() {
+                        let (lobe, weight) = expected.slot(j, i % width, i / width);
+                        let about = format!("{convention} {container} level {k} lobe {j}: {n} {tensor} for {lobe:?}");
+                        assert!((n - lobe.normal.as_dvec3()).length() < bound, "{about}");
+                        assert!((weights[j] - f64::from(weight)).abs() < bound, "{about}");
+                        let r = lobe.roughness;
+                        let apart = tensor - DVec3::new(r.xx.into(), r.xy.into(), r.yy.into());
+                        assert!(apart.abs().max_element() < bound, "{about}");
+                    }
+                    // z rebuilt from x and y alone is the same normal, but for the rounding of level 0's own 8 bits.
+                    let [x, y] = [normal[i].x, normal[i].y];
+                    let rebuilt = if float {
+                        shader::decode_normal_xy_signed(DVec2::new(x, y), y_sign, 1.0)
+                    } else {
+                        shader::decode_normal_xy(DVec2::new(x, y), y_sign, 1.0)
+                    };
+                    assert!((rebuilt - first).length() < 0.02, "{rebuilt} {first}");
+                }
+            }
+        }
+    }
 }

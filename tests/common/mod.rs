@@ -205,3 +205,19 @@ pub fn encode8(v: f32) -> u8 {
 pub fn bumps(path: &Path, size: (usize, usize)) -> PathBuf {
     png8(path, size, |x, y| bump(x, y, size.0.max(size.1)).map(encode8).to_vec())
 }
+
+/// A map of a manifest.
+pub fn entry<'a>(manifest: &'a Value, role: &str, container: &str) -> &'a Value {
+    let maps = manifest["maps"].as_array().unwrap();
+    maps.iter().find(|map| map["role"] == role && map["container"] == container).unwrap()
+}
+
+/// The levels of the files of a map.
+pub fn levels(folder: &Path, files: &Value) -> Vec<Raster> {
+    let files = strings(files);
+    if let [file] = &files[..] {
+        return exr_levels(&folder.join(file));
+    }
+    let stem = files[0].strip_suffix("_mip0.png").unwrap();
+    png_levels(folder, stem)
+}
