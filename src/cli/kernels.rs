@@ -3,14 +3,14 @@
 use super::args::{KernelsArgs, entry};
 use super::report::Report;
 use crate::error::Result;
-use crate::kernels::{KERNELS, bundle, by_name};
+use crate::kernels::{KERNELS, Kernel, bundle, by_name};
 
 pub fn run(args: &KernelsArgs, report: &mut Report) -> Result<()> {
     if args.names.is_empty() {
         report.document(serde_json::json!({ "schema": 1, "kernels": listed() }).to_string());
         report.say("Files of shader helpers; `mipfold kernels NAME` prints one:\n");
         for kernel in KERNELS {
-            let needs: Vec<_> = kernel.needs().iter().map(|kernel| kernel.name).collect();
+            let needs = needed(kernel);
             let needs = if needs.is_empty() { String::new() } else { format!(" (needs {})", needs.join(", ")) };
             report.say(&entry(kernel.name, &format!("{}{needs}", kernel.about)));
         }
@@ -28,10 +28,13 @@ pub fn run(args: &KernelsArgs, report: &mut Report) -> Result<()> {
     Ok(())
 }
 
+/// Names of the files that one needs.
+fn needed(kernel: &Kernel) -> Vec<&'static str> {
+    kernel.needs().iter().map(|kernel| kernel.name).collect()
+}
+
 fn listed() -> Vec<serde_json::Value> {
-    let entry = |kernel: &crate::kernels::Kernel| {
-        let needs: Vec<_> = kernel.needs().iter().map(|kernel| kernel.name).collect();
-        serde_json::json!({ "name": kernel.name, "about": kernel.about, "needs": needs })
-    };
+    let entry =
+        |kernel: &Kernel| serde_json::json!({ "name": kernel.name, "about": kernel.about, "needs": needed(kernel) });
     KERNELS.iter().map(entry).collect()
 }

@@ -107,10 +107,19 @@ fn decode_levels(path: &Path, bytes: Vec<u8>, count: usize) -> Result<Vec<Decode
 }
 
 fn file(path: &Path) -> Result<Vec<u8>> {
+    read_file(path, "a picture file", u64::MAX)
+}
+
+/// A whole file, unless it is longer than `most` bytes; not a folder, and nothing that never ends.
+pub(crate) fn read_file(path: &Path, expected: &str, most: u64) -> Result<Vec<u8>> {
     let there = path.metadata().map_err(|error| Error::io(path, error))?;
     if !there.is_file() {
         let found = if there.is_dir() { "a folder" } else { "something that is not a file" };
-        return Err(Error::invalid(path, found, "a picture file"));
+        return Err(Error::invalid(path, found, expected));
+    }
+    if there.len() > most {
+        let found = format!("a file of {} bytes", there.len());
+        return Err(Error::unsupported(path, found, format!("up to {most} bytes here")));
     }
     std::fs::read(path).map_err(|error| Error::io(path, error))
 }

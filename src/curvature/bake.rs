@@ -15,12 +15,12 @@
 //! on the surface, y across it on the side where v grows, as a renderer builds its frame. So a curved surface turns
 //! no frame that would have to be carried from texel to texel.
 //!
-//! **Islands.** Charts of the texture that share no vertex, or that show it mirrored and not, are merged one by one, and a texel that several have part
-//! in takes the mean of their tensors. What their means differ by is left out: charts lie beside each other for reasons of
-//! packing, and a cut through a smooth surface must not look like an edge. Where charts lie on top of
-//! each other (mirrored halves and repeats of the texture do) the result is the mean over them; [`Summary::overlapped`] counts such
-//! texels. The price: edges that are also cuts, such as those of a box of six charts, add nothing. Faces of one chart that lie
-//! on each other are merged with all their spread.
+//! **Islands.** Charts of the texture that share no vertex, or that show it mirrored and not, are merged one by one, and a
+//! texel that several have part in takes the mean of their tensors. What their means differ by is left out: charts lie beside
+//! each other for reasons of packing, and a cut through a smooth surface must not look like an edge. Where charts lie on top
+//! of each other (mirrored halves and repeats of the texture do) the result is the mean over them; [`Summary::overlapped`]
+//! counts such texels. The price: edges that are also cuts, such as those of a box of six charts, add nothing. Faces of one
+//! chart that lie on each other are merged with all their spread.
 
 use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};

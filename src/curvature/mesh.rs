@@ -8,6 +8,7 @@ use glam::{Vec2, Vec3};
 
 use super::normals::{self, Vertices};
 use super::{gltf, obj, ply};
+use crate::codec::read_file;
 use crate::error::{Error, Result};
 
 /// The most vertices and the most triangles that a mesh may have: 2^26, 67 million.
@@ -76,7 +77,7 @@ pub(super) struct Piece {
 /// [`Error::Io`] if a file cannot be read; [`Error::Invalid`] if it is broken, has no triangles, or contradicts
 /// itself; [`Error::Unsupported`] for parts of the formats that are not read, and above [`MOST_VERTICES`].
 pub fn load(path: &Path, options: &LoadOptions) -> Result<Mesh> {
-    parse(path, &read_file(path)?, options)
+    parse(path, &read_file(path, "a mesh file", u64::MAX)?, options)
 }
 
 /// The mesh of a file's bytes; `path` is for messages and for the files beside it.
@@ -100,25 +101,6 @@ pub(super) fn parse(path: &Path, bytes: &[u8], options: &LoadOptions) -> Result<
         ));
     };
     Mesh::assemble(&path.display().to_string(), pieces, options.crease_degrees)
-}
-
-/// A whole file; not a folder, and nothing that never ends.
-fn read_file(path: &Path) -> Result<Vec<u8>> {
-    read_file_up_to(path, u64::MAX)
-}
-
-/// A whole file, unless it is longer than `most` bytes.
-pub(super) fn read_file_up_to(path: &Path, most: u64) -> Result<Vec<u8>> {
-    let there = path.metadata().map_err(|error| Error::io(path, error))?;
-    if !there.is_file() {
-        let found = if there.is_dir() { "a folder" } else { "something that is not a file" };
-        return Err(Error::invalid(path, found, "a mesh file"));
-    }
-    if there.len() > most {
-        let found = format!("a file of {} bytes", there.len());
-        return Err(Error::unsupported(path, found, format!("up to {most} bytes here")));
-    }
-    std::fs::read(path).map_err(|error| Error::io(path, error))
 }
 
 impl Mesh {

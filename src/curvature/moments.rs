@@ -69,7 +69,7 @@ impl NormalMoments {
     ///
     /// A Beckmann lobe has the slope variance alpha^2 / 2 along each axis (Heitz 2014), and the components of a unit
     /// normal in the tangent plane are its slopes to first order: twice the covariance is what the spread adds to
-    /// alpha^2 (Kaplanyan et al. 2016, eq. 4; Tokuyoshi & Kaplanyan 2021 for components in place of slopes,
+    /// alpha^2 (Kaplanyan et al. 2016; Tokuyoshi & Kaplanyan 2021 for components in place of slopes,
     /// which stay bounded). Where no frame exists, since the normals cancel or u runs along the normal, the tensor is
     /// isotropic.
     pub fn tensor(&self) -> [f64; 3] {

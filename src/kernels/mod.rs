@@ -1,8 +1,8 @@
 //! Shader helpers: functions to include in shaders, in three languages.
 //!
 //! `kernels/wgsl` is written by hand. `kernels/glsl` and `kernels/hlsl` are made from it, line by line, with names and
-//! comments; the tests in `tests/gpu` do that, and run all three against [`twins`]. A helper's text says what its functions take and
-//! give, in which units and ranges, and after which paper and equation.
+//! comments; the tests in `tests/gpu` do that, and run all three against [`twins`]. A helper's text says what its functions
+//! take and give, in which units and ranges, and whom a formula is after.
 
 pub mod twins;
 

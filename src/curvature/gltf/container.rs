@@ -8,9 +8,9 @@ use std::path::{Component, Path};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 
-use super::super::mesh::read_file_up_to;
 use super::document::{Buffer, Document};
 use super::item;
+use crate::codec::read_file;
 use crate::error::{Error, Result};
 
 const JSON: u32 = u32::from_le_bytes(*b"JSON");
@@ -100,7 +100,8 @@ impl<'a> Buffers<'a> {
             let expected = "a file relative to this one, in its folder or below";
             return Err(Error::unsupported(path, format!("{uri:?} in buffer {index}"), expected));
         };
-        let data = read_file_up_to(&path.parent().unwrap_or(Path::new("")).join(name), self.room.get())?;
+        let beside = path.parent().unwrap_or(Path::new("")).join(name);
+        let data = read_file(&beside, "a mesh file", self.room.get())?;
         self.room.set(self.room.get().saturating_sub(data.len() as u64));
         Ok(Cow::Owned(data))
     }

@@ -80,13 +80,14 @@ fn fit_some<S: Simd, const LOBES: usize>(simd: S, chunk: &Chunk, shape: Shape, o
     for first in (0..chunk.count).step_by(S::F32_LANES) {
         let which = Which::From(first);
         chunk.atoms(simd, which, &mut atoms);
-        nodes.fill(&atoms);
+        nodes.place(&atoms);
         let parts: [Part<S>; LOBES] = match &shared {
             Some(shared) => {
                 let shared = Estimate::new(shared.load(simd, which));
                 moved(&atoms, &nodes, shape, seed::cut_by_reach(&atoms, form, &shared))
             }
             None => {
+                nodes.weigh(&atoms);
                 let mut best = Best::new(&nodes, seed::cut(&atoms, form));
                 if atoms.len() > LOBES {
                     best.or(&nodes, seed::cluster(&atoms, form));
@@ -103,7 +104,8 @@ fn fit_some<S: Simd, const LOBES: usize>(simd: S, chunk: &Chunk, shape: Shape, o
     for some in doubtful.chunks(S::F32_LANES) {
         let which = Which::These(some);
         chunk.atoms(simd, which, &mut atoms);
-        nodes.fill(&atoms);
+        nodes.place(&atoms);
+        nodes.weigh(&atoms);
         let [.., up] = chunk.normal.load(simd, which);
         let peeled = seed::peel::<S, LOBES>(&atoms, form, up);
         let mut best = Best::new(&nodes, load(simd, &found, which));
@@ -181,16 +183,23 @@ fn moved<S: Simd, const LOBES: usize>(
     parts
 }
 
+/// Their metrics, by which each has the density of its share; the lobes get the least widths that these need.
+#[inline(always)]
+pub(super) fn metrics<S: Simd, const LOBES: usize>(parts: &mut [Part<S>; LOBES]) -> [Metric<S>; LOBES] {
+    let zero = parts[0].share.like(0.0);
+    let mut metrics = [Metric { xx: zero, xy: zero, yy: zero, root: zero }; LOBES];
+    for (metric, part) in metrics.iter_mut().zip(parts) {
+        *metric = Metric::new(&mut part.lobe);
+        metric.root *= part.share;
+    }
+    metrics
+}
+
 /// One step.
 #[inline(always)]
 fn step<S: Simd, const LOBES: usize>(atoms: &[Atom<S>], nodes: &Nodes<S>, shape: Shape, parts: &mut [Part<S>; LOBES]) {
     let zero = parts[0].share.like(0.0);
-    let none = Metric { xx: zero, xy: zero, yy: zero, root: zero };
-    let mut metrics = [none; LOBES];
-    for (metric, part) in metrics.iter_mut().zip(parts.iter_mut()) {
-        *metric = Metric::new(&mut part.lobe);
-        metric.root *= part.share;
-    }
+    let metrics = metrics(parts);
     let mut sums = [Sums { share: zero, area: zero, w: zero, d: [zero; 2], dd: [zero; 3], own: [zero; 3] }; LOBES];
     for (k, atom) in atoms.iter().enumerate() {
         let mut shares = [zero; LOBES];

@@ -6,7 +6,7 @@ use pulp::Simd;
 
 use super::chunk::Atom;
 use super::lanes::Lanes;
-use super::mixture::Part;
+use super::mixture::{Part, metrics};
 use super::scatter::{self, Metric, RING, Seen};
 
 /// Nodes of a lobe.
@@ -34,12 +34,10 @@ impl<S: Simd> Nodes<S> {
         Self { at: Vec::new(), share: Vec::new(), rarity: Vec::new() }
     }
 
-    /// Those of some footprints.
+    /// Those of some footprints, without their densities.
     #[inline(always)]
-    pub fn fill(&mut self, atoms: &[Atom<S>]) {
+    pub fn place(&mut self, atoms: &[Atom<S>]) {
         self.at.clear();
-        self.share.clear();
-        self.rarity.clear();
         let mut whole = scatter::start(
             atoms,
             #[inline(always)]
@@ -48,16 +46,23 @@ impl<S: Simd> Nodes<S> {
         );
         // Nodes turn with the footprint if their axes follow any lobe that does.
         let metric = Metric::new(&mut whole);
-        let all = scatter::weight(atoms).max(f32::MIN_POSITIVE).inverse();
         for atom in atoms {
             let Seen { a: [ax, ay], b: [bx, by], .. } = Seen::new(atom, &whole, &metric);
             for [p, q] in PLACES {
                 self.at.push([atom.x + p * ax + q * bx, atom.y + p * ay + q * by]);
             }
-            self.share.push(1.0 / COUNT as f32 * atom.w * all);
         }
+    }
+
+    /// The footprints' densities there, for [`Self::missed`].
+    #[inline(always)]
+    pub fn weigh(&mut self, atoms: &[Atom<S>]) {
+        let all = scatter::weight(atoms).max(f32::MIN_POSITIVE).inverse();
+        self.share.clear();
+        self.rarity.clear();
         self.rarity.resize(self.at.len(), all.like(0.0));
         for atom in atoms {
+            self.share.push(1.0 / COUNT as f32 * atom.w * all);
             let (i11, i22) = (atom.l11.inverse(), atom.l22.inverse());
             let scale = atom.w * all * i11 * i22;
             for (density, [x, y]) in self.rarity.iter_mut().zip(&self.at) {
@@ -78,11 +83,7 @@ impl<S: Simd> Nodes<S> {
     pub fn missed<const LOBES: usize>(&self, parts: &[Part<S>; LOBES]) -> Lanes<S> {
         let (zero, one) = (parts[0].share.like(0.0), parts[0].share.like(1.0));
         let mut lobes = *parts;
-        let mut metrics = [Metric { xx: zero, xy: zero, yy: zero, root: zero }; LOBES];
-        for (metric, part) in metrics.iter_mut().zip(&mut lobes) {
-            *metric = Metric::new(&mut part.lobe);
-            metric.root *= part.share;
-        }
+        let metrics = metrics(&mut lobes);
         let mut sum = zero;
         for (k, share) in self.share.iter().enumerate() {
             let mut missed = zero;

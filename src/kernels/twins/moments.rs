@@ -228,7 +228,7 @@ pub fn gaussian_cdf(x: f64) -> f64 {
     0.5 * erfc(-x * FRAC_1_SQRT_2)
 }
 
-/// The complementary error function: the series of erf below 2.5, Lentz's continued fraction above.
+/// The complementary error function: the series of erf below 2.5, [`super::ndf::erfc_scaled`] above.
 pub fn erfc(x: f64) -> f64 {
     if x < 0.0 {
         return 2.0 - erfc(-x);
@@ -243,11 +243,7 @@ pub fn erfc(x: f64) -> f64 {
         }
         return 1.0 - 2.0 / PI.sqrt() * (-x * x).exp() * sum;
     }
-    let mut tail = x;
-    for n in (1..=60).rev() {
-        tail = x + 0.5 * f64::from(n) / tail;
-    }
-    (-x * x).exp() / (PI.sqrt() * tail)
+    (-x * x).exp() * super::ndf::erfc_scaled(x)
 }
 
 /// `c Phi(c / tau) + tau phi(c / tau)`.

@@ -272,6 +272,7 @@ pub fn axes_from_kulla_conty(alpha: f64, anisotropy: f64, angle: f64) -> Axes {
 
 #[cfg(test)]
 mod tests {
+    use super::super::geometric_aa::matrix;
     use super::*;
 
     fn near(a: f64, b: f64) {
@@ -280,10 +281,6 @@ mod tests {
 
     fn same(a: DVec3, b: DVec3) {
         assert!((a - b).length() < 1e-12, "{a} {b}");
-    }
-
-    fn matrix(r: DVec3) -> DMat2 {
-        DMat2::from_cols(DVec2::new(r.x, r.y), DVec2::new(r.y, r.z))
     }
 
     /// Widths, ratios and angles.

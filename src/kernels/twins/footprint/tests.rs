@@ -1,5 +1,6 @@
 use glam::DMat2;
 
+use super::super::draw;
 use super::super::geometric_aa::{KAPPA, SIGMA2_BOX, SIGMA2_HALF, SIGMA2_PEAK, matrix, tensor};
 use super::super::moments::{gaussian_cdf, gaussian_pdf};
 use super::*;
@@ -9,8 +10,7 @@ struct Random(u64);
 impl Random {
     /// -1 to 1.
     fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+        draw(&mut self.0)
     }
 
     fn vector(&mut self) -> DVec3 {

@@ -1,5 +1,6 @@
 use glam::DQuat;
 
+use super::super::draw;
 use super::*;
 
 struct Random(u64);
@@ -7,8 +8,7 @@ struct Random(u64);
 impl Random {
     /// -1 to 1.
     fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+        draw(&mut self.0)
     }
 
     /// 0 to 1.
