@@ -57,6 +57,7 @@
 //! | [`image`] | rasters, sizes of levels, wrap modes, footprints and their weights |
 //! | [`codec`] | bytes to images and back; knows formats, not meaning |
 //! | [`ndf`] | what a normal distribution is: the GGX lobe, its tensor, images of lobes |
+//! | `gltf` | glTF files as they are: documents, buffers, numbers (not public) |
 //! | [`curvature`] | meshes to roughness: what a mesh's own normals add under each texel of every level |
 //! | [`material`] | what channels mean, both ways: roles, packing, file names, repair |
 //! | [`mod@reference`] | the exact NDF and the exact shading of a footprint, in f64 |
@@ -95,6 +96,7 @@ pub mod compare;
 pub mod curvature;
 pub mod error;
 pub mod fold;
+mod gltf;
 pub mod image;
 pub mod kernels;
 pub mod material;

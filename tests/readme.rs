@@ -13,6 +13,9 @@ use mipfold::image::{Raster, Samples};
 use mipfold::material::Extra;
 use ndarray::Array3;
 
+#[path = "common/mesh.rs"]
+mod mesh;
+
 const README: &str = include_str!("../README.md");
 const FOLDS_BEGIN: &str = "<!-- folds: written by `BLESS=1 cargo test --test readme` -->\n";
 const FOLDS_END: &str = "<!-- /folds -->\n";
@@ -101,12 +104,17 @@ fn run(arguments: &[&str], folder: &Path) {
     if arguments.first() == Some(&"compare") {
         chains(arguments, folder);
     }
-    let command = |a: &&str| !["build", "compare"].contains(a);
+    let command = |a: &&str| !["build", "compare", "bake-curvature"].contains(a);
     let mut values = arguments.iter().copied().skip_while(command).skip(1).peekable();
     while let Some(argument) = values.next() {
         match argument {
             "-o" => drop(values.next()),
             _ if argument.contains('=') => {}
+            _ if argument.ends_with(".obj") => drop(mesh::obj(&folder.join(argument), true, true)),
+            _ if argument.ends_with(".glb") => {
+                let materials = serde_json::json!([{ "name": "hull" }, { "name": "deck" }]);
+                mesh::glb(&folder.join(argument), materials, &[]);
+            }
             _ if argument.contains(".png") => picture(&folder.join(argument.split(':').next().unwrap())),
             _ if argument.contains('/') => {
                 picture(&folder.join(argument).join("wall_normal.png"));
@@ -149,12 +157,18 @@ fn commands_work() {
 /// `demo --list` and the like in running text.
 #[test]
 fn options_in_the_text_exist() {
-    let help: String = [["build", "--help"], ["compare", "--help"], ["demo", "--help"], ["kernels", "--help"]]
-        .map(|arguments| {
-            let output = Command::new(env!("CARGO_BIN_EXE_mipfold")).args(arguments).output().unwrap();
-            String::from_utf8(output.stdout).unwrap()
-        })
-        .concat();
+    let help: String = [
+        ["build", "--help"],
+        ["compare", "--help"],
+        ["demo", "--help"],
+        ["kernels", "--help"],
+        ["bake-curvature", "--help"],
+    ]
+    .map(|arguments| {
+        let output = Command::new(env!("CARGO_BIN_EXE_mipfold")).args(arguments).output().unwrap();
+        String::from_utf8(output.stdout).unwrap()
+    })
+    .concat();
     let text: String = README.split("```").step_by(2).collect();
     for code in quoted(&text).filter(|code| !["cargo", "maketx", "ktx", "BLESS"].iter().any(|p| code.starts_with(p))) {
         for option in code.split_whitespace().filter(|word| word.starts_with("--")) {
@@ -184,8 +198,9 @@ fn files_and_manifest_fields_are_as_listed() {
         found.extend(patterns.iter().filter(is));
         assert!(patterns.iter().any(|p| is(&p)), "{name} is written but not listed");
     }
-    // Normals derived from heights do not appear in this build.
-    let missing: Vec<_> = patterns.iter().filter(|p| !found.contains(p) && !p.contains("_normal_")).collect();
+    // Normals derived from heights and the curvature of a mesh do not appear in this build.
+    let apart = |p: &&String| p.contains("_normal_") || p.contains("_curvature");
+    let missing: Vec<_> = patterns.iter().filter(|p| !found.contains(p) && !apart(p)).collect();
     assert!(missing.is_empty(), "{missing:?} are listed but not written");
 
     let manifest: serde_json::Value = serde_json::from_slice(&fs::read(out.join("manifest.json")).unwrap()).unwrap();

@@ -5,13 +5,14 @@ use std::path::{Path, PathBuf};
 /// From top to bottom.
 ///
 /// The judge, `reference` and `compare`, stands above `fold`: it cannot know what it judges.
-const ROOMS: [&str; 19] = [
+const ROOMS: [&str; 20] = [
     "error",
     "roughness",
     "random",
     "image",
     "codec",
     "ndf",
+    "gltf",
     "curvature",
     "material",
     "reference",

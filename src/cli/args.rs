@@ -7,8 +7,9 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use super::compare_args::CompareArgs;
 use super::lobes_arg::LobesArg;
 use crate::codec::Depth;
+use crate::curvature::LONGEST_SIDE;
 use crate::fold::{DEFAULT_FOLD, FOLDS, Fold, Options};
-use crate::image::Wrap;
+use crate::image::{Size, Wrap};
 use crate::kernels::Language;
 use crate::material::{DEFAULT_HEIGHT_SCALE, DEFAULT_ROUGHNESS, Extra, NormalRange, NormalY, NormalZ};
 use crate::ndf::Form;
@@ -57,10 +58,50 @@ pub enum Command {
     Build(BuildArgs),
     /// Judge mip chains, of whatever origin, against the exact truth of their level 0
     Compare(CompareArgs),
+    /// Bake the curvature of a mesh into the roughness of mips, together with the material's own maps
+    BakeCurvature(BakeArgs),
     /// Make a sample material, build and judge its chain, and draw it from near to far
     Demo(DemoArgs),
     /// Print shader helpers to include: what reads the maps, filters geometry and shades
     Kernels(KernelsArgs),
+}
+
+#[derive(Args)]
+#[command(after_help = EXIT_CODES)]
+pub struct BakeArgs {
+    /// Mesh: .glb, .gltf, .obj or .ply. The maps of glTF materials are found in it
+    #[arg(value_name = "MESH")]
+    pub mesh: PathBuf,
+    /// Folder for the outputs; several materials get a folder each below it
+    #[arg(long, short, value_name = "DIR")]
+    pub output: PathBuf,
+    /// Only the triangles of this material; may be repeated [default: all]
+    #[arg(long, value_name = "NAME")]
+    pub part: Vec<String>,
+    /// Texels along each side, where no map gives them
+    #[arg(long, default_value = "1024", value_name = "N[xN]", value_parser = size)]
+    pub size: Size,
+    /// Set of texture coordinates to bake into (glTF's TEXCOORD_n), where no texture of the material names it
+    #[arg(long, default_value = "0", value_name = "N")]
+    pub uv_set: usize,
+    /// Where the mesh has no normals: the angle from which two faces get an edge, in degrees; 0 shades every face flat
+    #[arg(long, default_value = "60", value_name = "DEGREES", value_parser = degrees)]
+    pub crease: f64,
+    /// Texels beside the surface that are filled from their neighbours, at every level
+    #[arg(long, default_value = "8", value_name = "N", value_parser = clap::value_parser!(u16).range(0..=1024))]
+    pub padding: u16,
+    #[command(flatten)]
+    pub maps: MapArgs,
+    #[command(flatten)]
+    pub reading: ReadingArgs,
+    #[command(flatten)]
+    pub folding: FoldArgs,
+    /// Container: png (a file a level) or exr (mip-mapped, and the lobes in full); may be repeated
+    #[arg(long, value_enum, default_value = "png", value_delimiter = ',')]
+    pub format: Vec<Format>,
+    /// Write 32-bit floats where --format exr writes 16-bit ones
+    #[arg(long)]
+    pub float: bool,
 }
 
 #[derive(Args)]
@@ -283,10 +324,9 @@ impl FoldArgs {
     }
 }
 
-impl BuildArgs {
-    pub fn depth(&self) -> Depth {
-        if self.float { Depth::Float } else { Depth::Half }
-    }
+/// Of mip-mapped maps, as `--float` says.
+pub fn depth(float: bool) -> Depth {
+    if float { Depth::Float } else { Depth::Half }
 }
 
 pub fn fold_name(name: &str) -> Result<&'static Fold, String> {
@@ -299,6 +339,19 @@ pub fn fold_name(name: &str) -> Result<&'static Fold, String> {
 fn number(text: &str, ok: impl Fn(f32) -> bool, expected: &str) -> Result<f32, String> {
     let value: f32 = text.parse().map_err(|_| format!("expected {expected}"))?;
     if value.is_finite() && ok(value) { Ok(value) } else { Err(format!("expected {expected}")) }
+}
+
+/// `1024` or `1024x512`.
+fn size(text: &str) -> Result<Size, String> {
+    let (width, height) = text.split_once('x').unwrap_or((text, text));
+    match (width.parse(), height.parse()) {
+        (Ok(width @ 1..=LONGEST_SIDE), Ok(height @ 1..=LONGEST_SIDE)) => Ok(Size::new(width, height)),
+        _ => Err(format!("expected a side, or WIDTHxHEIGHT, of 1 to {LONGEST_SIDE} texels")),
+    }
+}
+
+fn degrees(text: &str) -> Result<f64, String> {
+    number(text, |v| (0.0..=180.0).contains(&v), "an angle from 0 to 180 degrees").map(f64::from)
 }
 
 fn positive(text: &str) -> Result<f32, String> {

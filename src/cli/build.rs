@@ -1,10 +1,10 @@
 //! `mipfold build`.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
 
-use super::args::{BuildArgs, Global};
+use super::args::{BuildArgs, Global, depth};
 use super::inputs::{folder, read_as, single};
 use super::job::Job;
 use super::report::Report;
@@ -34,7 +34,8 @@ pub fn run(args: &BuildArgs, global: &Global, report: &mut Report) -> Result<()>
             Err(error) => report.error(&error),
         }
     }
-    let folders = if alone { vec![args.output.clone()] } else { output_folders(&args.output, &sets) };
+    let names: Vec<&str> = sets.iter().map(|set| set.name.as_str()).collect();
+    let folders = if alone { vec![args.output.clone()] } else { output_folders(&args.output, &names) };
     let jobs: Vec<_> = sets.iter().zip(folders).collect();
     let results: Vec<_> = jobs
         .par_iter()
@@ -43,13 +44,13 @@ pub fn run(args: &BuildArgs, global: &Global, report: &mut Report) -> Result<()>
             let request = Request {
                 folder: folder.clone(),
                 formats: args.format.clone(),
-                depth: args.depth(),
+                depth: depth(args.float),
                 moments: args.moments,
                 extras: args.extra.clone(),
                 force: global.force,
             };
-            let job =
-                Job { inputs, read: &codec::read, options: &options, form: args.folding.form(), request: &request };
+            let (read, form) = (&codec::read, args.folding.form());
+            let job = Job { inputs, read, mesh: None, options: &options, form, request: &request };
             job.run(global.dry_run, &report.progress).map(|done| done.built)
         })
         .collect();
@@ -63,10 +64,10 @@ pub fn run(args: &BuildArgs, global: &Global, report: &mut Report) -> Result<()>
 }
 
 /// A folder for each material, named apart.
-fn output_folders(output: &Path, sets: &[Inputs]) -> Vec<std::path::PathBuf> {
+pub fn output_folders(output: &Path, names: &[&str]) -> Vec<PathBuf> {
     let mut taken: Vec<String> = Vec::new();
-    for set in sets {
-        let base = safe_name(&set.name);
+    for name in names {
+        let base = safe_name(name);
         let mut name = base.clone();
         let mut n = 2;
         // File systems that ignore case exist.

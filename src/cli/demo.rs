@@ -86,7 +86,8 @@ fn one(sample: &Sample, args: &DemoArgs, options: &Options, global: &Global, rep
         extras: Vec::new(),
         force: global.force,
     };
-    let job = Job { inputs: &inputs, read: &read, options, form: args.folding.form(), request: &request };
+    let form = args.folding.form();
+    let job = Job { inputs: &inputs, read: &read, mesh: None, options, form, request: &request };
     let Done { material, options, chain: folded, built } = job.run(global.dry_run, &report.progress)?;
     report.built(built);
     if let Some(folded) = folded {

@@ -23,7 +23,7 @@ pub fn read_as(set: Inputs, maps: &MapArgs, reading: &ReadingArgs) -> Result<Inp
 }
 
 /// The roughness that flags give.
-fn given_width(maps: &MapArgs) -> Result<RoughnessInput> {
+pub fn given_width(maps: &MapArgs) -> Result<RoughnessInput> {
     let orm = maps.orm.as_ref().map(|path| ChannelRef { path: path.clone(), channel: Some(1) });
     Ok(match (&maps.roughness, &maps.gloss, orm) {
         (Some(text), _, _) => roughness("--roughness", text)?,

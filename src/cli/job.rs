@@ -4,9 +4,11 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use indicatif::ProgressBar;
 
-use super::report::{Built, Portion};
+use super::report::{Built, Extent, Portion};
+use crate::curvature::{BakeOptions, Mesh, Summary, bake};
 use crate::error::Result;
 use crate::fold::{Chain, Options};
+use crate::image::Size;
 use crate::material::{Inputs, Material, ReadPicture, Texels, load_with};
 use crate::ndf::Form;
 use crate::output::{MANIFEST, Plan, Request, fold_for, write};
@@ -15,6 +17,8 @@ use crate::output::{MANIFEST, Plan, Request, fold_for, write};
 pub struct Job<'a> {
     pub inputs: &'a Inputs,
     pub read: ReadPicture<'a>,
+    /// What lies under the texture, and how many texels beside it are filled.
+    pub mesh: Option<(&'a Mesh, BakeOptions)>,
     pub options: &'a Options,
     /// One width or two; if it was not said, two where the inputs are anisotropic.
     pub form: Option<Form>,
@@ -44,14 +48,25 @@ impl Job<'_> {
         request.extras.iter().try_for_each(|extra| extra.check(options.form, options.lobes))?;
         let plan = Plan::new(&material, &options, request);
         plan.check(&material, request)?;
+        if let Some((mesh, baking)) = &self.mesh {
+            bar.set_message(format!("baking {name}"));
+            let portion = Portion::on(bar);
+            // What may be wrong with the mesh shows at any size.
+            let size = if dry_run { Size::new(1, 1) } else { material.size };
+            let baked = bake(mesh, size, baking, &|share| portion.show(share))?;
+            tell(mesh, &baked.summary, &mut material);
+            material.curvature = Some(baked.levels);
+        }
         let files = plan.outputs.iter().map(|o| o.name.clone()).chain([MANIFEST.to_owned()]).collect();
         let built = Built {
             name: material.name.clone(),
             folder: request.folder.to_string_lossy().into_owned(),
-            width: material.size.width,
-            height: material.size.height,
-            levels: material.size.level_count(),
-            fold: options.fold.name,
+            extent: Extent::Texture {
+                width: material.size.width,
+                height: material.size.height,
+                levels: material.size.level_count(),
+                fold: options.fold.name,
+            },
             files,
             notes: material.notes.clone(),
             warnings: material.warnings.clone(),
@@ -92,5 +107,23 @@ impl Job<'_> {
                 Form::Isotropic
             }
         }
+    }
+}
+
+/// What was found under a texture.
+fn tell(mesh: &Mesh, found: &Summary, material: &mut Material) {
+    let Summary { triangles, islands, left_out, covered, overlapped, .. } = *found;
+    material.notes.push(format!("curvature of {triangles} triangles in {islands} islands, added from level 1 on"));
+    if mesh.normals_computed {
+        let warning = "the mesh lacks normals: computed, with an edge where faces meet at a large angle (--crease)";
+        material.warnings.push(warning.into());
+    }
+    if left_out > 0.005 {
+        let share = 100.0 * left_out;
+        material.warnings.push(format!("{share:.1} % of the surface has no place in the texture, and is left out"));
+    }
+    if 10 * overlapped > covered {
+        let share = 100.0 * overlapped as f64 / covered as f64;
+        material.notes.push(format!("surfaces lie on each other in {share:.0} % of the texels: their mean is baked"));
     }
 }

@@ -2,6 +2,7 @@
 #![allow(clippy::print_stdout, clippy::print_stderr)]
 
 mod args;
+mod bake;
 mod build;
 mod chains;
 mod compare;
@@ -36,6 +37,7 @@ pub fn run() -> ExitCode {
         Command::Build(args) => build::run(args, &cli.global, &mut report),
         Command::Compare(args) => compare::run(args, &cli.global, &mut report),
         Command::Demo(args) => demo::run(args, &cli.global, &mut report),
+        Command::BakeCurvature(args) => bake::run(args, &cli.global, &mut report),
         Command::Kernels(args) => kernels::run(args, &mut report),
     };
     if let Err(error) = result {

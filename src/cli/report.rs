@@ -1,6 +1,7 @@
 //! What people and programs are told.
 
 use std::cell::Cell;
+use std::fmt::{Display, Formatter};
 use std::io::{ErrorKind, IsTerminal, Write};
 use std::process::ExitCode;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -16,13 +17,32 @@ use crate::error::Error;
 pub struct Built {
     pub name: String,
     pub folder: String,
-    pub width: usize,
-    pub height: usize,
-    pub levels: usize,
-    pub fold: &'static str,
+    #[serde(flatten)]
+    pub extent: Extent,
     pub files: Vec<String>,
     pub notes: Vec<String>,
     pub warnings: Vec<String>,
+}
+
+/// What was built.
+#[derive(Serialize)]
+#[serde(untagged)]
+pub enum Extent {
+    /// A mip chain.
+    Texture { width: usize, height: usize, levels: usize, fold: &'static str },
+    /// Attributes of vertices.
+    Vertices { vertices: usize, triangles: usize },
+}
+
+impl Display for Extent {
+    fn fmt(&self, f: &mut Formatter) -> std::fmt::Result {
+        match self {
+            Self::Texture { width, height, levels, fold } => {
+                write!(f, "{width}x{height}, {levels} levels, fold {fold}")
+            }
+            Self::Vertices { vertices, triangles } => write!(f, "{vertices} vertices, {triangles} triangles"),
+        }
+    }
 }
 
 #[derive(Serialize)]
@@ -96,16 +116,7 @@ impl Report {
 
     pub fn built(&mut self, built: Built) {
         let verb = if self.dry_run { "would write" } else { "wrote" };
-        self.say(&format!(
-            "{}: {}x{}, {} levels, fold {}: {verb} {} files to {}",
-            built.name,
-            built.width,
-            built.height,
-            built.levels,
-            built.fold,
-            built.files.len(),
-            built.folder
-        ));
+        self.say(&format!("{}: {}: {verb} {} files to {}", built.name, built.extent, built.files.len(), built.folder));
         built.notes.iter().for_each(|note| self.say(&format!("  {note}")));
         if self.dry_run {
             built.files.iter().for_each(|file| self.say(&format!("  {file}")));

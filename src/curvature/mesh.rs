@@ -10,6 +10,7 @@ use super::normals::{self, Vertices};
 use super::{gltf, obj, ply};
 use crate::codec::read_file;
 use crate::error::{Error, Result};
+use crate::gltf::is_gltf;
 
 /// The most vertices and the most triangles that a mesh may have: 2^26, 67 million.
 pub const MOST_VERTICES: usize = 1 << 26;
@@ -37,6 +38,8 @@ pub struct Mesh {
 pub struct Part {
     /// The material's name in the file, if it has one.
     pub material: Option<String>,
+    /// Its number among the file's materials: glTF's own, or in order of first use.
+    pub index: Option<usize>,
     /// The triangles in [`Mesh::triangles`].
     pub triangles: Range<usize>,
     /// Whether the part has texture coordinates.
@@ -62,13 +65,21 @@ impl Default for LoadOptions {
 /// What a loader hands over: the triangles of one material in one object.
 #[derive(Debug, Default)]
 pub(super) struct Piece {
-    pub material: Option<String>,
+    /// By number.
+    pub material: Option<usize>,
     pub positions: Vec<Vec3>,
     /// As many as positions; zero, or none at all, where they are missing.
     pub normals: Vec<Vec3>,
     /// As many as positions, or none; v up.
     pub uvs: Option<Vec<Vec2>>,
     pub triangles: Vec<[u32; 3]>,
+}
+
+/// All pieces of a file, and the names of its materials.
+#[derive(Debug, Default)]
+pub(super) struct Pieces {
+    pub pieces: Vec<Piece>,
+    pub materials: Vec<String>,
 }
 
 /// Reads a mesh: `.glb`, `.gltf`, `.ply` or `.obj`, told by content where it tells.
@@ -85,8 +96,7 @@ pub(super) fn parse(path: &Path, bytes: &[u8], options: &LoadOptions) -> Result<
     let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
     // Some editors begin text files with a byte order mark, which belongs to no format here.
     let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
-    let text = bytes.trim_ascii_start();
-    let pieces = if bytes.starts_with(b"glTF") || text.starts_with(b"{") {
+    let read = if is_gltf(bytes) {
         gltf::read(path, bytes, options.uv_set)?
     } else if bytes.starts_with(b"ply\n") || bytes.starts_with(b"ply\r") {
         ply::read(path, bytes)?
@@ -100,7 +110,7 @@ pub(super) fn parse(path: &Path, bytes: &[u8], options: &LoadOptions) -> Result<
             "meshes in .glb, .gltf, .obj and .ply",
         ));
     };
-    Mesh::assemble(&path.display().to_string(), pieces, options.crease_degrees)
+    Mesh::assemble(&path.display().to_string(), read, options.crease_degrees)
 }
 
 impl Mesh {
@@ -118,19 +128,21 @@ impl Mesh {
         crease_degrees: f64,
     ) -> Result<Self> {
         let normals = normals.unwrap_or_default();
-        Self::assemble("mesh", vec![Piece { material: None, positions, normals, uvs, triangles }], crease_degrees)
+        let pieces = vec![Piece { material: None, positions, normals, uvs, triangles }];
+        Self::assemble("mesh", Pieces { pieces, materials: Vec::new() }, crease_degrees)
     }
 
     /// One mesh of all pieces, sorted by material and by whether there are texture coordinates; `subject` is for messages.
-    pub(super) fn assemble(subject: &str, pieces: Vec<Piece>, crease_degrees: f64) -> Result<Self> {
+    pub(super) fn assemble(subject: &str, read: Pieces, crease_degrees: f64) -> Result<Self> {
         if !(0.0..=180.0).contains(&crease_degrees) {
             return Err(Error::invalid_option("crease angle", crease_degrees.to_string(), "0 to 180 degrees"));
         }
+        let Pieces { pieces, materials } = read;
         let mut kinds: Vec<Vec<&Piece>> = Vec::new();
         let mut places = HashMap::new();
         for piece in &pieces {
             check(subject, piece)?;
-            let place = *places.entry((&piece.material, piece.uvs.is_some())).or_insert(kinds.len());
+            let place = *places.entry((piece.material, piece.uvs.is_some())).or_insert(kinds.len());
             kinds.resize(kinds.len().max(place + 1), Vec::new());
             kinds[place].push(piece);
         }
@@ -145,7 +157,7 @@ impl Mesh {
         let (mut triangles, mut parts): (Vec<[u32; 3]>, _) = (Vec::with_capacity(faces), Vec::new());
         for pieces in kinds {
             let first = triangles.len();
-            let (material, has_uvs) = (pieces[0].material.clone(), pieces[0].uvs.is_some());
+            let (index, has_uvs) = (pieces[0].material, pieces[0].uvs.is_some());
             for piece in pieces {
                 let base = positions.len() as u32;
                 positions.extend_from_slice(&piece.positions);
@@ -157,7 +169,8 @@ impl Mesh {
                 }
                 triangles.extend(piece.triangles.iter().map(|t| t.map(|i| base + i)));
             }
-            parts.push(Part { material, triangles: first..triangles.len(), has_uvs });
+            let material = index.map(|i| materials[i].clone());
+            parts.push(Part { material, index, triangles: first..triangles.len(), has_uvs });
         }
         let mut vertices = Vertices { positions, normals, uvs, triangles };
         let normals_computed = normals::complete(&mut vertices, crease_degrees.to_radians());
@@ -165,14 +178,13 @@ impl Mesh {
         Ok(Self { positions, normals, uvs: any_uvs.then_some(uvs), triangles, parts, normals_computed })
     }
 
-    /// The mesh of one part alone, by its index in [`Mesh::parts`], with the vertices that it uses.
-    pub fn part(&self, index: usize) -> Self {
-        let part = &self.parts[index];
+    /// The mesh of some parts alone, by their indices in [`Mesh::parts`], with the vertices that they use.
+    pub fn select(&self, parts: &[usize]) -> Self {
         let mut new_index = vec![u32::MAX; self.positions.len()];
-        let mut used = Vec::new();
-        let triangles: Vec<[u32; 3]> = self.triangles[part.triangles.clone()]
-            .iter()
-            .map(|t| {
+        let (mut used, mut triangles, mut selected) = (Vec::new(), Vec::new(), Vec::new());
+        for &part in parts {
+            let (part, first) = (&self.parts[part], triangles.len());
+            triangles.extend(self.triangles[part.triangles.clone()].iter().map(|t| {
                 t.map(|i| {
                     let index = &mut new_index[i as usize];
                     if *index == u32::MAX {
@@ -181,14 +193,15 @@ impl Mesh {
                     }
                     *index
                 })
-            })
-            .collect();
-        let uvs = self.uvs.as_ref().filter(|_| part.has_uvs);
+            }));
+            selected.push(Part { triangles: first..triangles.len(), ..part.clone() });
+        }
+        let uvs = self.uvs.as_ref().filter(|_| selected.iter().any(|part| part.has_uvs));
         Self {
             positions: used.iter().map(|&i| self.positions[i]).collect(),
             normals: used.iter().map(|&i| self.normals[i]).collect(),
             uvs: uvs.map(|uvs| used.iter().map(|&i| uvs[i]).collect()),
-            parts: vec![Part { triangles: 0..triangles.len(), ..part.clone() }],
+            parts: selected,
             triangles,
             normals_computed: self.normals_computed,
         }

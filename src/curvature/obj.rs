@@ -7,7 +7,7 @@ use std::str::FromStr;
 
 use glam::{Vec2, Vec3};
 
-use super::mesh::Piece;
+use super::mesh::{Piece, Pieces};
 use crate::error::{Error, Result};
 
 /// The corner of a face: position, texture coordinates and normal by number.
@@ -20,13 +20,6 @@ struct Faces {
     vertices: HashMap<Corner, u32>,
 }
 
-/// A material, and where its faces without and with texture coordinates are, once it has some.
-#[derive(Default)]
-struct Material {
-    name: Option<String>,
-    faces: [Option<usize>; 2],
-}
-
 /// What the lines so far have listed.
 #[derive(Default)]
 struct Lists {
@@ -37,13 +30,15 @@ struct Lists {
 
 /// The pieces of a file, one for each material, with and without texture coordinates. Polygons are cut into fans, which
 /// is right for convex ones.
-pub(super) fn read(path: &Path, bytes: &[u8]) -> Result<Vec<Piece>> {
+pub(super) fn read(path: &Path, bytes: &[u8]) -> Result<Pieces> {
     let mut lists = Lists::default();
     let mut faces: Vec<Faces> = Vec::new();
     // Names are looked up where they are given and faces go by number: there are far more faces than names.
-    let mut numbers_of: HashMap<Option<String>, usize> = HashMap::from([(None, 0)]);
-    let mut materials = vec![Material::default()];
-    let mut material = 0;
+    let mut numbers_of: HashMap<String, usize> = HashMap::new();
+    let mut materials: Vec<String> = Vec::new();
+    let mut material = None;
+    // Where the faces of a material are, without and with texture coordinates, once it has some.
+    let mut places: HashMap<(Option<usize>, bool), usize> = HashMap::new();
     let mut corners: Vec<Corner> = Vec::new();
     for (i, line) in bytes.split(|&b| b == b'\n').enumerate() {
         let text = String::from_utf8_lossy(line);
@@ -62,9 +57,11 @@ pub(super) fn read(path: &Path, bytes: &[u8]) -> Result<Vec<Piece>> {
             Some("vt") => lists.uvs.push(numbers(words, 1).map(Vec2::from).ok_or_else(|| wrong("coordinates"))?),
             Some("usemtl") => {
                 let name = text.trim().split_once([' ', '\t']).map(|(_, name)| name.trim().to_owned());
-                material = *numbers_of.entry(name).or_insert_with_key(|name| {
-                    materials.push(Material { name: name.clone(), faces: [None; 2] });
-                    materials.len() - 1
+                material = name.map(|name| {
+                    *numbers_of.entry(name).or_insert_with_key(|name| {
+                        materials.push(name.clone());
+                        materials.len() - 1
+                    })
                 });
             }
             Some("f") => {
@@ -76,10 +73,9 @@ pub(super) fn read(path: &Path, bytes: &[u8]) -> Result<Vec<Piece>> {
                     return Err(wrong("three corners or more"));
                 }
                 let has_uvs = corners.iter().all(|corner| corner.1.is_some());
-                let Material { name, faces: places } = &mut materials[material];
-                let place = *places[usize::from(has_uvs)].get_or_insert_with(|| {
+                let place = *places.entry((material, has_uvs)).or_insert_with(|| {
                     let uvs = has_uvs.then(Vec::new);
-                    let piece = Piece { material: name.clone(), uvs, ..Piece::default() };
+                    let piece = Piece { material, uvs, ..Piece::default() };
                     faces.push(Faces { piece, ..Faces::default() });
                     faces.len() - 1
                 });
@@ -88,7 +84,7 @@ pub(super) fn read(path: &Path, bytes: &[u8]) -> Result<Vec<Piece>> {
             _ => {}
         }
     }
-    Ok(faces.into_iter().map(|faces| faces.piece).collect())
+    Ok(Pieces { pieces: faces.into_iter().map(|faces| faces.piece).collect(), materials })
 }
 
 /// N numbers, of which `least` must be there and the others are 0; what follows is ignored.

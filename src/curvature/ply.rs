@@ -9,7 +9,7 @@ use glam::{Vec2, Vec3};
 use serde::Deserialize;
 use serde_ply::PlyReader;
 
-use super::mesh::Piece;
+use super::mesh::{Piece, Pieces};
 use super::weld::bits;
 use crate::error::{Error, Result};
 
@@ -43,7 +43,7 @@ struct Face {
 struct Skipped {}
 
 /// The one piece of a file. Polygons are cut into fans, which is right for convex ones.
-pub(super) fn read(path: &Path, bytes: &[u8]) -> Result<Vec<Piece>> {
+pub(super) fn read(path: &Path, bytes: &[u8]) -> Result<Pieces> {
     let broken = |error: serde_ply::DeserializeError| Error::invalid(path, error.0.to_string(), "a PLY file");
     // Text may end without a line break, which the reader asks for.
     let mut reader = PlyReader::from_reader(BufReader::new(bytes.chain(&b"\n"[..]))).map_err(broken)?;
@@ -63,7 +63,7 @@ pub(super) fn read(path: &Path, bytes: &[u8]) -> Result<Vec<Piece>> {
         }
     }
     let faces = faces.ok_or_else(|| Error::unsupported(path, "a PLY file without faces", "a mesh with faces"))?;
-    piece(path, &vertices, &faces).map(|piece| vec![piece])
+    Ok(Pieces { pieces: vec![piece(path, &vertices, &faces)?], materials: Vec::new() })
 }
 
 fn piece(path: &Path, vertices: &[Vertex], faces: &[Face]) -> Result<Piece> {

@@ -9,7 +9,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use rayon::prelude::*;
 
-use super::{DEFAULT_FOLD, Fold, Level, Method, level::Band, slots};
+use super::{DEFAULT_FOLD, Fold, Level, Method, curvature, level::Band, slots};
 use crate::image::{Size, spans};
 use crate::material::Texels;
 use crate::moments::{Block, Layout, Needs, Quads, Scratch, TexelRows, UNUSABLE_WEIGHT, reduce_rows};
@@ -121,6 +121,9 @@ pub fn chain_telling(texels: &dyn Texels, options: &Options, done: &(dyn Fn(f64)
     }
     if options.lobes > 1 {
         slots::order(&mut levels);
+    }
+    if let Some(baked) = texels.curvature() {
+        curvature::add(&mut levels, baked, options);
     }
     Chain { size, levels }
 }

@@ -7,6 +7,7 @@ mod average;
 mod bump_to_roughness;
 mod chain;
 mod clean;
+mod curvature;
 pub mod fit;
 mod ggx;
 mod ggx_lobe;

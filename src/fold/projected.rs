@@ -41,7 +41,7 @@ fn lobe(m: &Moments) -> (Vec3, RoughnessTensor) {
 /// `R' = (I + B'^-1)^-1`. With `K = 2 C (I - R)` this is `(R + K) (I + K)^-1`, which divides by nothing that
 /// vanishes: not by alpha, nor by 1 - alpha.
 #[inline(always)]
-fn added(r: RoughnessTensor, c: RoughnessTensor) -> RoughnessTensor {
+pub(super) fn added(r: RoughnessTensor, c: RoughnessTensor) -> RoughnessTensor {
     let (px, pxy, py) = (1.0 - r.xx, -r.xy, 1.0 - r.yy);
     let kxx = 2.0 * (c.xx * px + c.xy * pxy);
     let kxy = 2.0 * (c.xx * pxy + c.xy * py);

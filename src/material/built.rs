@@ -40,7 +40,10 @@ impl Earlier {
         // The manifest may have been edited: names that leave the folder, or are none that we give, are nobody's.
         let ours = |file: &String| {
             let plain = Path::new(file).components().count() == 1 && Path::new(file).file_name().is_some();
-            plain && (file.ends_with(".exr") || (file.ends_with(".png") && file.contains("_mip")))
+            plain
+                && (file.ends_with(".exr")
+                    || file.ends_with("_curvature.ply")
+                    || (file.ends_with(".png") && file.contains("_mip")))
         };
         let files = manifest.maps.into_iter().flat_map(|map| map.files).filter(ours).chain([MANIFEST.to_owned()]);
         (manifest.generator == GENERATOR).then(|| Self { material: manifest.material, files: files.collect() })

@@ -20,6 +20,9 @@ pub enum Extra {
     Energy,
     /// Scale on the diffuse term: length of the mean normal
     Diffuse,
+    /// What the mesh adds, as the root of its tensor; of a baked material only
+    #[value(skip)]
+    Curvature,
 }
 
 /// `energy` over this is what unsigned textures hold: 1 is a whole byte (102), and nothing is larger, since a GGX lobe
@@ -28,7 +31,8 @@ pub const LARGEST_ENERGY: f32 = 2.5;
 
 impl Extra {
     /// All there are.
-    pub const ALL: [Extra; 5] = [Extra::Axes, Extra::Burley, Extra::Tensor, Extra::Energy, Extra::Diffuse];
+    pub const ALL: [Extra; 6] =
+        [Extra::Axes, Extra::Burley, Extra::Tensor, Extra::Energy, Extra::Diffuse, Extra::Curvature];
 
     /// In options, in file names, and the map's role in the manifest.
     pub fn name(self) -> &'static str {
@@ -38,6 +42,7 @@ impl Extra {
             Extra::Tensor => "tensor",
             Extra::Energy => "energy",
             Extra::Diffuse => "diffuse",
+            Extra::Curvature => "curvature",
         }
     }
 
@@ -53,7 +58,7 @@ impl Extra {
     pub fn check(self, form: Form, lobes: usize) -> Result<()> {
         let option = format!("--extra {}", self.name());
         let wide = matches!(self, Extra::Axes | Extra::Burley | Extra::Tensor);
-        if lobes > 1 && self != Extra::Energy {
+        if lobes > 1 && !matches!(self, Extra::Energy | Extra::Curvature) {
             return Err(Error::invalid_option(&option, format!("{lobes} lobes a texel"), "--lobes iso or aniso"));
         }
         if wide && form == Form::Isotropic {
@@ -79,6 +84,12 @@ impl Extra {
             (Extra::Tensor, _) => &[("s.xx", "tensor-root.xx"), ("s.yy", "tensor-root.yy"), ("s.xy", "tensor-root.xy")],
             (Extra::Energy, _) => &[("energy", "specular-scale")],
             (Extra::Diffuse, _) => &[("diffuse", "diffuse-scale")],
+            (Extra::Curvature, Encoding::Signed) => {
+                &[("k.xx", "added-tensor.xx"), ("k.yy", "added-tensor.yy"), ("k.xy", "added-tensor.xy")]
+            }
+            (Extra::Curvature, Encoding::Unsigned) => {
+                &[("s.xx", "added-tensor-root.xx"), ("s.yy", "added-tensor-root.yy"), ("s.xy", "added-tensor-root.xy")]
+            }
         }
     }
 
@@ -95,6 +106,10 @@ impl Extra {
             (Extra::Energy, Encoding::Signed) => "specular *= r",
             (Extra::Energy, Encoding::Unsigned) => "specular *= 2.5*r",
             (Extra::Diffuse, _) => "diffuse = albedo/pi * r * max(0, dot(n, l))",
+            (Extra::Curvature, Encoding::Signed) => "K = [r b; b g], to be added to R in projected space",
+            (Extra::Curvature, Encoding::Unsigned) => {
+                "c = (255*b - 128) / 254; S = [r c; c g]; K = S*S, to be added to R in projected space"
+            }
         }
     }
 }
@@ -106,8 +121,9 @@ mod tests {
     #[test]
     fn names_are_those_of_the_options() {
         for extra in Extra::ALL {
-            let value = clap::ValueEnum::to_possible_value(&extra).unwrap();
-            assert_eq!(value.get_name(), extra.name());
+            let value = clap::ValueEnum::to_possible_value(&extra);
+            assert_eq!(value.is_none(), extra == Extra::Curvature, "no option of a build");
+            assert!(value.is_none_or(|value| value.get_name() == extra.name()));
             assert_eq!(Extra::by_name(extra.name()), Some(extra));
             for encoding in [Encoding::Signed, Encoding::Unsigned] {
                 assert!([1, 3].contains(&extra.channels(encoding).len()));

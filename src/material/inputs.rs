@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use super::{NormalRange, NormalY, NormalZ};
-use crate::image::Wrap;
+use crate::image::{Size, Wrap};
 use crate::roughness::PerceptualRoughness;
 
 /// A file, and a channel of it if one was named.
@@ -50,7 +50,7 @@ pub const DEFAULT_ROUGHNESS: PerceptualRoughness = PerceptualRoughness(0.5);
 /// Height range of a height map in widths of the texture, where none is given.
 pub const DEFAULT_HEIGHT_SCALE: f32 = 0.03;
 
-/// What a material is made from. At least one of normal, height and a roughness map must be there.
+/// What a material is made from. At least one of normal, height, a roughness map and the size of a flat one must be there.
 #[derive(Clone, Debug, Default)]
 pub struct Inputs {
     /// For messages and output names.
@@ -73,6 +73,8 @@ pub struct Inputs {
     pub normal_scale: Option<f32>,
     /// Height of white over black in widths of the texture.
     pub height_scale: Option<f32>,
+    /// Size of a material that no map gives one: flat, of the roughness that is given.
+    pub flat: Option<Size>,
     /// What lies beyond the border.
     pub wrap: Wrap,
     /// What looks wrong on the way to these inputs, said again in the material's warnings.

@@ -51,7 +51,7 @@ fn assemble<'a>(inputs: &Inputs, read: ReadPicture<'a>, by_value: bool) -> Resul
         RoughnessInput::Roughness(c) | RoughnessInput::Smoothness(c) => Some(c.path.as_path()),
         RoughnessInput::Missing | RoughnessInput::Constant(_) => None,
     };
-    if normal.is_none() && height.is_none() && width.is_none() {
+    if normal.is_none() && height.is_none() && width.is_none() && inputs.flat.is_none() {
         return Err(Error::invalid_option(&inputs.name, "no maps", "a normal map, a height map or a roughness map"));
     }
     if !(1e-3..=1e3).contains(&builder.material.normal_scale) {
@@ -81,7 +81,7 @@ fn assemble<'a>(inputs: &Inputs, read: ReadPicture<'a>, by_value: bool) -> Resul
     if let Some(path) = &inputs.anisotropy {
         builder.add_anisotropy(path)?;
     }
-    builder.finish();
+    builder.finish(inputs.flat);
     Ok(builder)
 }
 
@@ -95,6 +95,7 @@ fn empty(inputs: &Inputs) -> Material {
         wrap: inputs.wrap,
         notes: inputs.notes.clone(),
         warnings: inputs.warnings.clone(),
+        curvature: None,
         normal: None,
         width: None,
         constant: DEFAULT_ROUGHNESS,
@@ -293,7 +294,7 @@ impl Builder<'_> {
     }
 
     /// Brings all maps to the largest size, numbers the plain channels, and adds the maps that are missing.
-    fn finish(&mut self) {
+    fn finish(&mut self, flat: Option<Size>) {
         // A third channel that is nothing else holds z, also where it was not trusted: it is written again.
         if let Some(source) = &self.material.normal
             && let Some(role @ Role::Other(_)) = self.material.maps[source.map].roles.get_mut(2)
@@ -301,9 +302,10 @@ impl Builder<'_> {
             *role = Role::NormalZ;
         }
         let sizes: Vec<_> = self.material.maps.iter().map(|map| map.raster.size()).collect();
-        let width = sizes.iter().map(|s| s.width).max().unwrap_or(1);
-        let height = sizes.iter().map(|s| s.height).max().unwrap_or(1);
-        let size = Size::new(width, height);
+        let width = sizes.iter().map(|s| s.width).max();
+        let height = sizes.iter().map(|s| s.height).max();
+        let largest = width.zip(height).map(|(width, height)| Size::new(width, height));
+        let size = largest.or(flat).unwrap_or(Size::new(1, 1));
         self.material.size = size;
         for (i, from) in sizes.into_iter().enumerate() {
             if from != size {

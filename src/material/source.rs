@@ -7,6 +7,7 @@ use std::sync::Arc;
 use glam::Vec2;
 
 use super::{NormalY, NormalZ, Role, Texels};
+use crate::curvature;
 use crate::image::{Raster, Size, Wrap};
 use crate::ndf::Gltf;
 use crate::roughness::PerceptualRoughness;
@@ -83,6 +84,8 @@ pub struct Material {
     pub notes: Vec<String>,
     /// What is probably wrong with the input.
     pub warnings: Vec<String>,
+    /// What the mesh under the texture adds, by level, level 0 first; nothing for a flat one.
+    pub curvature: Option<Vec<curvature::Level>>,
     /// Map and channel of the normals; flat without.
     pub(super) normal: Option<NormalSource>,
     /// Map and channel of the roughness or smoothness; constant without.
@@ -198,6 +201,10 @@ impl Texels for Material {
             let tensor = Gltf { alpha, strength, direction: Vec2::new(cos, sin) }.tensor();
             (xx[i], xy[i], yy[i]) = (tensor.xx, tensor.xy, tensor.yy);
         }
+    }
+
+    fn curvature(&self) -> Option<&[curvature::Level]> {
+        self.curvature.as_deref()
     }
 
     fn extras(&self) -> usize {

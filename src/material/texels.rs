@@ -1,5 +1,6 @@
 //! What a fold sees of a material.
 
+use crate::curvature;
 use crate::image::Size;
 
 /// The level-0 texels of a material, read by parts of rows. Every `out` slice of a call has the same length: the
@@ -23,6 +24,12 @@ pub trait Texels: Sync {
     /// [`Texels::is_anisotropic`]. `perceptual` is what [`Texels::perceptual`] gave for the same texels.
     fn tensors(&self, _y: usize, _x: usize, _perceptual: &[f32], _out: [&mut [f32]; 3]) {
         unreachable!("isotropic texels have no tensors")
+    }
+
+    /// What the mesh under the texture adds, by level, if that was baked ([`curvature::bake()`]): folds widen the levels from 1
+    /// on by it.
+    fn curvature(&self) -> Option<&[curvature::Level]> {
+        None
     }
 
     /// Number of further channels that are averaged plainly (occlusion, metal, ...).

@@ -1,5 +1,6 @@
 //! What a folded lobe reflects, beside what its footprint does.
 
+use crate::curvature;
 use crate::fold::{Chain, Options, chain_telling};
 use crate::image::Size;
 use crate::material::{Extra, LARGEST_ENERGY, Material, Texels};
@@ -49,6 +50,10 @@ impl Texels for WithAlbedo<'_> {
 
     fn tensors(&self, y: usize, x: usize, perceptual: &[f32], out: [&mut [f32]; 3]) {
         self.0.tensors(y, x, perceptual, out);
+    }
+
+    fn curvature(&self) -> Option<&[curvature::Level]> {
+        self.0.curvature()
     }
 
     fn extras(&self) -> usize {

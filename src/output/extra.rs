@@ -16,13 +16,15 @@ use crate::ndf::{Burley, Form, RoughnessTensor, TensorRoot};
 pub struct ExtraLevel<'a> {
     extra: Extra,
     view: LevelView<'a>,
+    /// Of the chain; nothing at level 0.
     level: Option<&'a Level>,
+    k: usize,
 }
 
 impl<'a> ExtraLevel<'a> {
     /// Of a chain that was folded for it: see [`super::fold_for`].
     pub fn new(material: &'a Material, chain: &'a Chain, extra: Extra, k: usize) -> Self {
-        Self { extra, view: view(material, chain, k), level: k.checked_sub(1).map(|i| &chain.levels[i]) }
+        Self { extra, view: view(material, chain, k), level: k.checked_sub(1).map(|i| &chain.levels[i]), k }
     }
 
     /// Part of row `y` of a channel, from column `x` on.
@@ -44,8 +46,11 @@ impl<'a> ExtraLevel<'a> {
                     }) / unit;
                 }
             }
-            Extra::Axes | Extra::Burley | Extra::Tensor => {
-                let tensors = self.tensors(y, x, out.len());
+            Extra::Axes | Extra::Burley | Extra::Tensor | Extra::Curvature => {
+                let tensors = match self.extra {
+                    Extra::Curvature => self.added(y, x, out.len()),
+                    _ => self.tensors(y, x, out.len()),
+                };
                 for (out, tensor) in out.iter_mut().zip(tensors) {
                     *out = self.read_out(tensor, encoding)[channel];
                 }
@@ -80,10 +85,19 @@ impl<'a> ExtraLevel<'a> {
         (0..n).map(|i| RoughnessTensor { xx: xx[i], xy: xy[i], yy: yy[i] }).collect()
     }
 
+    /// Part of row `y` of what the mesh adds.
+    fn added(&self, y: usize, x: usize, n: usize) -> Vec<RoughnessTensor> {
+        let baked = self.view.material.curvature.as_ref().expect("asked only where a mesh was baked");
+        baked[self.k].added.row(y).iter().skip(x).take(n).copied().collect()
+    }
+
     fn read_out(&self, tensor: RoughnessTensor, encoding: Encoding) -> [f32; 3] {
         let (axes, main) = (tensor.axes(), self.view.main_axis);
         match (self.extra, encoding) {
             (Extra::Tensor, Encoding::Unsigned) => TensorRoot::from_tensor(tensor).encoded(),
+            // A root holds widths up to 1, and a mesh may add up to twice the square of that.
+            (Extra::Curvature, Encoding::Unsigned) => TensorRoot::from_tensor(tensor.clamped(0.0, 1.0)).encoded(),
+            (Extra::Curvature, Encoding::Signed) => [tensor.xx, tensor.yy, tensor.xy],
             (Extra::Tensor, Encoding::Signed) => {
                 let root = TensorRoot::from_tensor(tensor);
                 [root.xx, root.yy, root.xy]

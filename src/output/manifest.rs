@@ -220,7 +220,7 @@ fn extras(material: &Material, levels: &[Size], plan: &Plan, request: &Request) 
                     encoding,
                     channels: channels.iter().enumerate().map(named).collect(),
                     levels: levels.to_vec(),
-                    level_0: "the inputs' own lobes",
+                    level_0: if wanted == Extra::Curvature { "the mesh" } else { "the inputs' own lobes" },
                     decode: Some(wanted.decode(form).to_owned()),
                 });
             }

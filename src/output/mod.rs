@@ -6,6 +6,7 @@ mod extra;
 mod manifest;
 mod plan;
 mod stage;
+mod vertices;
 mod write;
 
 pub use crate::material::{MANIFEST, SCHEMA};
@@ -13,4 +14,5 @@ pub use energy::fold_for;
 pub use manifest::{Input, Manifest, OutputMap};
 pub use plan::{Content, Format, Output, Plan, Request, safe_name};
 pub use stage::{Stage, may_write};
+pub use vertices::{vertices_name, write_vertices};
 pub use write::write;

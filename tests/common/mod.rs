@@ -3,12 +3,14 @@
 //! | variable | what |
 //! |---|---|
 //! | `MIPFOLD_TEXTURES` | folder of real textures; default `../shared/textures` beside the package |
+//! | `MIPFOLD_MESHES` | folder of real meshes; default `../shared/meshes` |
 //! | `MIPFOLD_PYTHON` | a Python that imports OpenImageIO, numpy and flip_evaluator; default `python3` |
 //! | `MIPFOLD_CHROMIUM` | a Chromium or Chrome; default `chromium` |
 //! | `MIPFOLD_NO_SKIP` | if set, a test fails where it lacks one of these, and is not skipped |
 #![allow(dead_code, clippy::print_stderr)]
 
 pub mod desk;
+pub mod mesh;
 
 use std::path::{Path, PathBuf};
 use std::process::Output;
@@ -27,12 +29,21 @@ pub fn skip<T>(why: &str) -> Option<T> {
 
 /// The folder of real textures.
 pub fn textures() -> Option<PathBuf> {
-    let default = || Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/textures");
-    let folder = std::env::var_os("MIPFOLD_TEXTURES").map_or_else(default, PathBuf::from);
+    shared("textures", "MIPFOLD_TEXTURES")
+}
+
+/// The folder of real meshes.
+pub fn meshes() -> Option<PathBuf> {
+    shared("meshes", "MIPFOLD_MESHES")
+}
+
+fn shared(what: &str, variable: &str) -> Option<PathBuf> {
+    let default = || Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared").join(what);
+    let folder = std::env::var_os(variable).map_or_else(default, PathBuf::from);
     if folder.join("MANIFEST.md").is_file() {
         Some(folder)
     } else {
-        skip(&format!("no textures at {} (MIPFOLD_TEXTURES)", folder.display()))
+        skip(&format!("no {what} at {} ({variable})", folder.display()))
     }
 }
 

@@ -101,7 +101,7 @@ fn a_scene_of_gltf_is_placed_and_its_v_turned_up() {
     // The mirrored one is turned over, so that its computed normals stay outside.
     assert_eq!(mesh.positions[6], Vec3::new(8.0, 1.0, 0.0));
     assert!(mesh.normals_computed && mesh.normals.iter().all(|n| *n == Vec3::Z));
-    let part = mesh.part(1);
+    let part = mesh.select(&[1]);
     assert_eq!((part.positions.len(), part.uvs, part.parts[0].triangles.clone()), (4, None, 0..2));
 }
 

@@ -32,7 +32,7 @@ fn every_mesh_with_texture_coordinates_bakes() {
         let Some(mesh) = mesh(name) else { continue };
         assert_eq!((mesh.triangles.len(), mesh.parts.len()), (triangles, parts), "{name}");
         for index in 0..parts {
-            let part = mesh.part(index);
+            let part = mesh.select(&[index]);
             let baked = bake(&part, Size::new(256, 256), &BakeOptions::default(), &|_| ()).unwrap();
             let summary = baked.summary;
             assert_eq!(summary.triangles + summary.without_area + summary.without_texture_area, part.triangles.len());

@@ -3,27 +3,21 @@
 //! Skins and morph targets are ignored: the mesh is in the pose that its vertices have. Points and lines are skipped.
 //! What the file says of textures (`KHR_texture_transform`) is ignored too; the coordinates are those of the vertices.
 
-mod accessor;
-mod container;
-mod document;
-
 use std::path::Path;
 
 use glam::{DMat3, DMat4, DQuat, DVec3, Vec2, Vec3};
 
-use super::mesh::{Piece, too_many};
+use super::mesh::{Piece, Pieces, too_many};
 use crate::error::{Error, Result};
-use accessor::Reader;
-use container::Buffers;
-use document::{Document, Node, Primitive};
+use crate::gltf::{Buffers, Document, Material, Node, Primitive, Reader, item, open};
 
 /// The most primitives that a scene may show, each counted as often as nodes show its mesh: 2^20, ten times what large
 /// scenes have. Without a limit a file of N nodes that show one mesh of P primitives takes the time and memory of N * P.
 const MOST_SHOWN: usize = 1 << 20;
 
 /// The pieces of the scene: one for each primitive of each node that shows it.
-pub(super) fn read(path: &Path, bytes: &[u8], uv_set: usize) -> Result<Vec<Piece>> {
-    let (document, binary) = container::open(path, bytes)?;
+pub(super) fn read(path: &Path, bytes: &[u8], uv_set: usize) -> Result<Pieces> {
+    let (document, binary) = open(path, bytes)?;
     for extension in &document.extensions_required {
         if ["KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_meshopt_compression"].contains(&&**extension)
         {
@@ -49,14 +43,8 @@ pub(super) fn read(path: &Path, bytes: &[u8], uv_set: usize) -> Result<Vec<Piece
             pieces.push(piece);
         }
     }
-    Ok(pieces)
-}
-
-/// One of a list, by the index that another object gave.
-fn item<'a, T>(path: &Path, list: &'a [T], index: usize, what: &str) -> Result<&'a T> {
-    list.get(index).ok_or_else(|| {
-        Error::invalid(path, format!("{what} {index} of {}", list.len()), format!("a {what} that exists"))
-    })
+    let name = |(i, material): (usize, &Material)| material.name.clone().unwrap_or_else(|| format!("material {i}"));
+    Ok(Pieces { pieces, materials: document.materials.iter().enumerate().map(name).collect() })
 }
 
 /// Every mesh that the scene shows, with where it stands. The scene is the file's own, or its first, or all nodes
@@ -159,15 +147,9 @@ fn piece(reader: &Reader, primitive: &Primitive, transform: &DMat4, uv_set: usiz
     ) * if mirrored { -1.0 } else { 1.0 };
     let point = |p: [f32; 3]| transform.transform_point3(Vec3::from(p).as_dvec3()).as_vec3();
     let direction = |n: [f32; 3]| (cofactors * Vec3::from(n).as_dvec3()).normalize_or_zero().as_vec3();
-    let material = match primitive.material {
-        Some(i) => item(reader.path, &reader.document.materials, i, "material")?
-            .name
-            .clone()
-            .or_else(|| Some(format!("material {i}"))),
-        None => None,
-    };
+    primitive.material.map(|i| item(reader.path, &reader.document.materials, i, "material")).transpose()?;
     Ok(Some(Piece {
-        material,
+        material: primitive.material,
         positions: positions.floats().into_iter().map(point).collect(),
         normals: normals.iter().flat_map(|normals| normals.floats()).map(direction).collect(),
         // glTF's v points down.

@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 use std::cell::{Cell, OnceCell};
 use std::collections::HashMap;
-use std::path::{Component, Path};
+use std::path::{Component, Path, PathBuf};
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
@@ -21,7 +21,7 @@ const BIN: u32 = u32::from_le_bytes(*b"BIN\0");
 const MOST_BUFFER_BYTES: u64 = 1 << 33;
 
 /// The document, and the binary chunk if there is one.
-pub(super) fn open<'a>(path: &Path, bytes: &'a [u8]) -> Result<(Document, Option<&'a [u8]>)> {
+pub(crate) fn open<'a>(path: &Path, bytes: &'a [u8]) -> Result<(Document, Option<&'a [u8]>)> {
     let (json, binary) = if bytes.starts_with(b"glTF") { chunks(path, bytes)? } else { (bytes, None) };
     let json = json.strip_prefix(b"\xef\xbb\xbf").unwrap_or(json);
     let document: Document =
@@ -34,7 +34,7 @@ pub(super) fn open<'a>(path: &Path, bytes: &'a [u8]) -> Result<(Document, Option
 }
 
 /// The buffers of a document, each loaded when it is first asked for: many files hold buffers that no triangle needs.
-pub(super) struct Buffers<'a> {
+pub(crate) struct Buffers<'a> {
     path: &'a Path,
     buffers: &'a [Buffer],
     binary: Option<&'a [u8]>,
@@ -81,30 +81,38 @@ impl<'a> Buffers<'a> {
                 _ => Err(Error::invalid(path, format!("buffer {index} without data"), "a uri or a binary chunk")),
             };
         };
-        if let Some(rest) = uri.strip_prefix("data:") {
-            // In memory already and bounded by the file itself, so it takes no room.
-            let Some((_, text)) = rest.split_once(";base64,") else {
-                return Err(Error::unsupported(path, format!("a data URI in buffer {index}"), "base64 data"));
-            };
-            return STANDARD
-                .decode(text)
-                .map(Cow::Owned)
-                .map_err(|error| Error::invalid(path, format!("base64 in buffer {index}: {error}"), "base64 data"));
+        let what = format!("buffer {index}");
+        // In memory already and bounded by the file itself, so it takes no room.
+        if let Some(data) = inline(path, uri, &what)? {
+            return Ok(Cow::Owned(data));
         }
-        // A model from elsewhere has no business outside its own folder.
-        let below = |name: &String| {
-            let mut parts = Path::new(name).components();
-            !name.contains("://") && parts.all(|part| matches!(part, Component::Normal(_) | Component::CurDir))
-        };
-        let Some(name) = unescaped(uri).filter(below) else {
-            let expected = "a file relative to this one, in its folder or below";
-            return Err(Error::unsupported(path, format!("{uri:?} in buffer {index}"), expected));
-        };
-        let beside = path.parent().unwrap_or(Path::new("")).join(name);
-        let data = read_file(&beside, "a mesh file", self.room.get())?;
+        let data = read_file(&beside(path, uri, &what)?, "a mesh file", self.room.get())?;
         self.room.set(self.room.get().saturating_sub(data.len() as u64));
         Ok(Cow::Owned(data))
     }
+}
+
+/// The bytes of a data URI; nothing if it is another one. `what` is for messages.
+pub(crate) fn inline(path: &Path, uri: &str, what: &str) -> Result<Option<Vec<u8>>> {
+    let Some(rest) = uri.strip_prefix("data:") else { return Ok(None) };
+    let Some((_, text)) = rest.split_once(";base64,") else {
+        return Err(Error::unsupported(path, format!("a data URI in {what}"), "base64 data"));
+    };
+    let broken = |error| Error::invalid(path, format!("base64 in {what}: {error}"), "base64 data");
+    STANDARD.decode(text).map(Some).map_err(broken)
+}
+
+/// The file that a URI names. A model from elsewhere has no business outside its own folder.
+pub(crate) fn beside(path: &Path, uri: &str, what: &str) -> Result<PathBuf> {
+    let below = |name: &String| {
+        let mut parts = Path::new(name).components();
+        !name.contains("://") && parts.all(|part| matches!(part, Component::Normal(_) | Component::CurDir))
+    };
+    let Some(name) = unescaped(uri).filter(below) else {
+        let expected = "a file relative to this one, in its folder or below";
+        return Err(Error::unsupported(path, format!("{uri:?} in {what}"), expected));
+    };
+    Ok(path.parent().unwrap_or(Path::new("")).join(name))
 }
 
 /// The JSON chunk and the binary chunk, if there is one (glTF 2.0, 4.4).

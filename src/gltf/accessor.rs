@@ -8,14 +8,14 @@ use super::item;
 use crate::error::{Error, Result};
 
 /// A file's accessors.
-pub(super) struct Reader<'a, 'f> {
+pub(crate) struct Reader<'a, 'f> {
     pub path: &'a Path,
     pub document: &'a Document,
     pub buffers: &'a Buffers<'f>,
 }
 
 /// The elements of an accessor, N numbers each, `stride` bytes apart: known to be there, and not yet copied.
-pub(super) struct Elements<'a, const N: usize> {
+pub(crate) struct Elements<'a, const N: usize> {
     bytes: &'a [u8],
     stride: usize,
     pub count: usize,
@@ -107,24 +107,29 @@ impl<'a> Reader<'a, '_> {
             5126 => Component::F32,
             other => return Err(wrong(format!("component type {other} in accessor {index}"), "5120 to 5126".into())),
         };
-        let view_index = view;
-        let view = item(self.path, &self.document.buffer_views, view, "buffer view")?;
-        let buffer = self.buffers.get(view.buffer)?;
-        let bytes = range(buffer, view.byte_offset, view.byte_length).ok_or_else(|| {
-            let found = format!("buffer view {view_index}: {} bytes from byte {}", view.byte_length, view.byte_offset);
-            wrong(found, format!("a place inside the {} bytes of buffer {}", buffer.len(), view.buffer))
-        })?;
+        let bytes = self.view(view)?;
         let size = (component.size() * N) as u64;
-        let stride = view.byte_stride.unwrap_or(size);
+        let stride = self.document.buffer_views[view].byte_stride.unwrap_or(size);
         let end = a.count.saturating_sub(1).checked_mul(stride).and_then(|last| last.checked_add(size));
         let length = if a.count == 0 { Some(0) } else { end };
         let inside = length.and_then(|length| range(bytes, a.byte_offset, length)).filter(|_| stride >= size);
         let bytes = inside.ok_or_else(|| {
             let found = format!("accessor {index}: {} elements of {size} bytes, {stride} apart", a.count);
-            wrong(found, format!("a place inside the {} bytes of buffer view {view_index}", bytes.len()))
+            wrong(found, format!("a place inside the {} bytes of buffer view {view}", bytes.len()))
         })?;
         let (stride, count) = (stride as usize, a.count as usize);
         Ok(Elements { bytes, stride, count, component, normalized: a.normalized })
+    }
+
+    /// The bytes of a buffer view.
+    pub fn view(&self, index: usize) -> Result<&'a [u8]> {
+        let view = item(self.path, &self.document.buffer_views, index, "buffer view")?;
+        let buffer = self.buffers.get(view.buffer)?;
+        range(buffer, view.byte_offset, view.byte_length).ok_or_else(|| {
+            let found = format!("buffer view {index}: {} bytes from byte {}", view.byte_length, view.byte_offset);
+            let expected = format!("a place inside the {} bytes of buffer {}", buffer.len(), view.buffer);
+            Error::invalid(self.path, found, expected)
+        })
     }
 }
 
