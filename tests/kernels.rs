@@ -3,7 +3,7 @@
 mod common;
 
 use common::desk::Desk;
-use common::{entry, levels, manifest, mipfold, plane};
+use common::{channel, entry, levels, manifest, mipfold, plane};
 use glam::{DVec2, DVec3, DVec4};
 use mipfold::image::Raster;
 use mipfold::kernels::twins::moments as shader;
@@ -117,4 +117,65 @@ fn shaders_read_what_build_writes() {
             }
         }
     }
+}
+
+/// Raw moments, decoded and read out as shaders do, are the lobes of the fold `lean`, in both conventions.
+#[test]
+fn shaders_read_slope_moments() {
+    for (convention, y_sign) in [("opengl", 1.0), ("directx", -1.0)] {
+        let desk = Desk::new();
+        let maps = format!("--normal @n.png --normal-y {convention} --roughness 0.3 --name wall");
+        let out = desk.build("out", &format!("{maps} --fold lean --lobes aniso --moments --format exr --float"));
+        let lobes = read_lobes(&out.join("wall_lobes.exr")).unwrap().levels;
+        let base = f64::from(lobes[0].at(0, 0).roughness.xx);
+        let files = levels(&out, &entry(&manifest(&out), "slope-moments", "exr")["files"]);
+        for (k, (raster, lobes)) in files.iter().zip(&lobes).enumerate() {
+            let names = ["b1_dhds", "b2_dhdt", "b3_dhds2", "b4_dhdt2", "b5_dh2dsdt"];
+            let planes = names.map(|name| channel(raster, name));
+            let width = lobes.size().width;
+            for i in 0..lobes.size().texels() {
+                let [x, y, xx, yy, xy] = planes.each_ref().map(|plane| f64::from(plane[i]));
+                let moments = shader::decode_moments(DVec2::new(x, y), DVec3::new(xx, yy, xy), y_sign);
+                let found = shader::lobe_from_moments(moments, DVec3::new(base, 0.0, base));
+                let expected = lobes.at(i % width, i / width);
+                let r = expected.roughness;
+                let apart = found.tensor - DVec3::new(r.xx.into(), r.xy.into(), r.yy.into());
+                let about = format!("{convention} level {k}: {found:?} for {expected:?}");
+                assert!((found.normal - expected.normal.as_dvec3()).length() < 2e-4, "{about}");
+                assert!(apart.abs().max_element() < 1e-4, "{about}");
+            }
+        }
+    }
+}
+
+/// A haze map: two lobes that share a normal, in both containers.
+#[test]
+fn shaders_read_haze() {
+    let desk = Desk::new();
+    let maps = "--normal @n.png --roughness @r.png --name wall";
+    let out = desk.build("out", &format!("{maps} --lobes haze --format png,exr --float"));
+    let lobes = read_lobes(&out.join("wall_lobes.exr")).unwrap().levels;
+    let manifest = manifest(&out);
+    let mut hazy = 0;
+    for (container, bound) in [("png", 0.005), ("exr", 1e-5)] {
+        let files = levels(&out, &entry(&manifest, "haze", container)["files"]);
+        for (k, (raster, lobes)) in files.iter().zip(&lobes).enumerate() {
+            let width = lobes.size().width;
+            for (i, texel) in texels(raster).into_iter().enumerate() {
+                let (x, y) = (i % width, i / width);
+                let (second, weight) = lobes.slot(1, x, y);
+                let normal = lobes.at(x, y).normal.as_dvec3();
+                let found = shader::decode_haze(DVec2::new(texel.x, texel.y), normal);
+                let about = format!("{container} level {k}: {found:?} for {second:?} of {weight}");
+                assert!((found.normal - second.normal.as_dvec3()).length() < 1e-6, "{about}");
+                assert!((found.weight - f64::from(weight)).abs() < bound, "{about}");
+                assert!(
+                    (found.tensor.x.powf(0.25) - f64::from(second.roughness.xx).powf(0.25)).abs() < bound,
+                    "{about}"
+                );
+                hazy += usize::from(weight > 0.1);
+            }
+        }
+    }
+    assert!(hazy > 100, "{hazy}");
 }

@@ -15,6 +15,7 @@
 
 pub mod case;
 pub mod cases;
+pub mod cost;
 pub mod gpu;
 pub mod harness;
 pub mod source;
