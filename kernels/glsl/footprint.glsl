@@ -43,7 +43,7 @@ struct MfFootprint {
     vec3 dmdx; // derivative of the lobe's normal in the tangent frame, along screen x, per pixel
     vec3 dmdy; // the same along screen y
     float sigma2; // variance of the pixel's filter, pixels^2: MF_SIGMA2_PEAK
-    float kappa; // most that either source adds to alpha^2: MF_KAPPA
+    float most; // most that either source adds to alpha^2: MF_MOST_ADDED
     float texel; // width of a texel in pixels: 1 for mip levels that the GPU chose, 0 at level 0 and above it
 };
 
@@ -82,10 +82,10 @@ vec3 mf_residual_kernel(vec3 k, vec3 folded, float share) {
 // The lobe with a kernel of the mesh (a, b along screen x and y, in the lobe's bent frame) and one of the normal map added in
 // projected space.
 MfLobe mf_footprint_lobe(MfFootprint f, vec2 a, vec2 b) {
-    vec3 mesh = mf_kernel_clamp(mf_kernel(a, b, f.sigma2), f.kappa);
+    vec3 mesh = mf_kernel_clamp(mf_kernel(a, b, f.sigma2), f.most);
     vec2 c = mf_bent_components(f.normal, f.dmdx);
     vec2 d = mf_bent_components(f.normal, f.dmdy);
-    vec3 map = mf_kernel_clamp(mf_kernel(c, d, f.sigma2), f.kappa);
+    vec3 map = mf_kernel_clamp(mf_kernel(c, d, f.sigma2), f.most);
     vec3 more = mf_residual_kernel(map, f.tensor - f.base, mf_folded_share(f.sigma2, f.texel));
     MfLobe o;
     o.normal = f.normal;

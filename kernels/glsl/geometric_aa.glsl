@@ -34,8 +34,8 @@ const float MF_SIGMA2_PEAK = 0.15915494;
 // A standard deviation of half a pixel: twice that covers it (Kaplanyan et al. 2016; Tokuyoshi 2017).
 const float MF_SIGMA2_HALF = 0.25;
 
-// Most that is added to alpha^2 along an axis (Tokuyoshi 2017): beyond it a first-order kernel tells nothing.
-const float MF_KAPPA = 0.18;
+// Most that is added to alpha^2 along an axis (kappa in Tokuyoshi 2017): beyond it a first-order kernel tells nothing.
+const float MF_MOST_ADDED = 0.18;
 
 // Most of the half extent of a pixel in slopes (Kaplanyan et al. 2016; 0.1 to 1 are in use).
 const float MF_EXTENT_2016 = 0.7;
@@ -94,17 +94,17 @@ float mf_kernel_bound(vec3 dndx, vec3 dndy, float sigma2) {
     return 2.0 * sigma2 * (dot(dndx, dndx) + dot(dndy, dndy));
 }
 
-// A kernel with no eigenvalue above kappa, axes kept; one that has none comes back as it is.
-vec3 mf_kernel_clamp(vec3 k, float kappa) {
+// A kernel with no eigenvalue above `most`, axes kept; one that has none comes back as it is.
+vec3 mf_kernel_clamp(vec3 k, float most) {
     float mean = 0.5 * (k.x + k.z);
     float side = 0.5 * (k.x - k.z);
     float spread = sqrt(side * side + k.y * k.y);
-    if (mean + spread <= kappa) {
+    if (mean + spread <= most) {
         return k;
     }
-    float low = min(mean - spread, kappa);
-    float middle = 0.5 * (kappa + low);
-    float scale = 0.5 * (kappa - low) / max(spread, 1.0e-20);
+    float low = min(mean - spread, most);
+    float middle = 0.5 * (most + low);
+    float scale = 0.5 * (most - low) / max(spread, 1.0e-20);
     return vec3(middle + side * scale, k.y * scale, middle - side * scale);
 }
 
@@ -157,10 +157,10 @@ vec3 mf_aa_2016_full(vec3 r, vec2 a, vec2 b, float sigma2) {
 }
 
 // Tokuyoshi 2017 and Tokuyoshi & Kaplanyan 2019, axis-aligned: derivatives a and b of h.xy itself, in the tangent frame, in
-// place of slopes; at most kappa per axis. Published with MF_SIGMA2_HALF, in 2021 with MF_SIGMA2_PEAK; MF_KAPPA.
-vec3 mf_aa_2019_axes(vec3 r, vec2 a, vec2 b, float sigma2, float kappa) {
+// place of slopes; no more than `most` per axis. Published with MF_SIGMA2_HALF, in 2021 with MF_SIGMA2_PEAK; MF_MOST_ADDED.
+vec3 mf_aa_2019_axes(vec3 r, vec2 a, vec2 b, float sigma2, float most) {
     vec3 k = mf_kernel_rectangle(a, b, sigma2);
-    return mf_add_kernel(r, vec3(min(k.x, kappa), 0.0, min(k.z, kappa)));
+    return mf_add_kernel(r, vec3(min(k.x, most), 0.0, min(k.z, most)));
 }
 
 // Tokuyoshi & Kaplanyan 2019, non-axis-aligned; the practical form of 2021. a and b are derivatives of h.xy.
@@ -169,9 +169,9 @@ vec3 mf_aa_2019(vec3 r, vec2 a, vec2 b, float sigma2) {
 }
 
 // Tokuyoshi & Kaplanyan 2019 for deferred shading: alpha^2 of a round lobe, and derivatives of interpolated normals, per
-// pixel. Adds the trace of K, at most kappa (MF_SIGMA2_HALF, MF_KAPPA).
-float mf_aa_2019_normals(float alpha2, vec3 dndx, vec3 dndy, float sigma2, float kappa) {
-    return mf_add_kernel_mean(alpha2, min(mf_kernel_bound(dndx, dndy, sigma2), kappa));
+// pixel. Adds the trace of K, up to `most` (MF_SIGMA2_HALF, MF_MOST_ADDED).
+float mf_aa_2019_normals(float alpha2, vec3 dndx, vec3 dndy, float sigma2, float most) {
+    return mf_add_kernel_mean(alpha2, min(mf_kernel_bound(dndx, dndy, sigma2), most));
 }
 
 // Tokuyoshi & Kaplanyan 2021, added in projected space (listing 1). a and b are derivatives of h.xy in the tangent frame.
@@ -181,9 +181,9 @@ vec3 mf_aa_2021(vec3 r, vec2 a, vec2 b, float sigma2) {
 }
 
 // Tokuyoshi & Kaplanyan 2021 for deferred shading (listing 5): as mf_aa_2019_normals with half the trace, the mean of both
-// axes (MF_SIGMA2_PEAK, MF_KAPPA).
-float mf_aa_2021_normals(float alpha2, vec3 dndx, vec3 dndy, float sigma2, float kappa) {
-    return mf_add_kernel_mean(alpha2, min(mf_kernel_mean(dndx, dndy, sigma2), kappa));
+// axes (MF_SIGMA2_PEAK, MF_MOST_ADDED).
+float mf_aa_2021_normals(float alpha2, vec3 dndx, vec3 dndy, float sigma2, float most) {
+    return mf_add_kernel_mean(alpha2, min(mf_kernel_mean(dndx, dndy, sigma2), most));
 }
 
 #endif

@@ -8,14 +8,14 @@
 // Needs: geometric_aa
 
 // alpha^2 of a round lobe after the curvature of the mesh (Tokuyoshi & Kaplanyan 2021, listing 5). n is the interpolated
-// normal of the mesh, unit, in any space; sigma2 as MF_SIGMA2_PEAK (pixels^2), kappa as MF_KAPPA.
-float mf_aa_screen_normal(float alpha2, vec3 n, float sigma2, float kappa) {
-    return mf_aa_2021_normals(alpha2, dFdx(n), dFdy(n), sigma2, kappa);
+// normal of the mesh, unit, in any space; sigma2 as MF_SIGMA2_PEAK (pixels^2), most as MF_MOST_ADDED.
+float mf_aa_screen_normal(float alpha2, vec3 n, float sigma2, float most) {
+    return mf_aa_2021_normals(alpha2, dFdx(n), dFdy(n), sigma2, most);
 }
 
 // The same with the trace of the kernel, for engines that match 2019 (Tokuyoshi & Kaplanyan 2019; MF_SIGMA2_HALF).
-float mf_aa_screen_normal_bound(float alpha2, vec3 n, float sigma2, float kappa) {
-    return mf_aa_2019_normals(alpha2, dFdx(n), dFdy(n), sigma2, kappa);
+float mf_aa_screen_normal_bound(float alpha2, vec3 n, float sigma2, float most) {
+    return mf_aa_2019_normals(alpha2, dFdx(n), dFdy(n), sigma2, most);
 }
 
 // A lobe's tensor after the turning of the half vector h (unit, in the tangent frame; once for each light), in projected
@@ -25,10 +25,10 @@ vec3 mf_aa_screen_half_vector(vec3 r, vec3 h, float sigma2) {
     return mf_aa_2021(r, dFdx(p), dFdy(p), sigma2);
 }
 
-// The same along the tangent frame's axes, with a clamp (Tokuyoshi 2017; MF_SIGMA2_HALF, MF_KAPPA).
-vec3 mf_aa_screen_half_vector_axes(vec3 r, vec3 h, float sigma2, float kappa) {
+// The same along the tangent frame's axes, with a clamp (Tokuyoshi 2017; MF_SIGMA2_HALF, MF_MOST_ADDED).
+vec3 mf_aa_screen_half_vector_axes(vec3 r, vec3 h, float sigma2, float most) {
     vec2 p = vec2(h.x, h.y);
-    return mf_aa_2019_axes(r, dFdx(p), dFdy(p), sigma2, kappa);
+    return mf_aa_2019_axes(r, dFdx(p), dFdy(p), sigma2, most);
 }
 
 // Kaplanyan et al. 2016: the same in slopes; extent as MF_EXTENT_2016.

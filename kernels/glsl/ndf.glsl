@@ -86,12 +86,12 @@ float mf_tensor_determinant(vec3 r) {
 }
 
 // p^T R p.
-float mf_tensor_form(vec3 r, vec2 p) {
+float mf_tensor_quadratic(vec3 r, vec2 p) {
     return max(r.x * p.x * p.x + 2.0 * r.y * p.x * p.y + r.z * p.y * p.y, 0.0);
 }
 
 // p^T R^-1 p. As p.x^2 / xx and a square over the determinant, which loses less than the sum of three terms.
-float mf_tensor_inverse_form(vec3 r, vec2 p) {
+float mf_tensor_inverse_quadratic(vec3 r, vec2 p) {
     float least = MF_SMOOTHEST * MF_SMOOTHEST;
     float xx = max(r.x, least);
     float yy = max(r.z, least);
@@ -109,19 +109,19 @@ float mf_d_ggx_tensor(vec3 m, vec3 r) {
     if (m.z <= 0.0) {
         return 0.0;
     }
-    float q = 1.0 / (mf_tensor_inverse_form(r, vec2(m.x, m.y)) + m.z * m.z);
+    float q = 1.0 / (mf_tensor_inverse_quadratic(r, vec2(m.x, m.y)) + m.z * m.z);
     return q * q / (MF_PI * sqrt(mf_tensor_determinant(r)));
 }
 
 // P22 of GGX at the slope s: 1 / (pi sqrt(det R) (1 + s^T R^-1 s)^2) (Heitz 2014, sec. 5.3).
 float mf_p22_ggx(vec2 s, vec3 r) {
-    float q = 1.0 / (1.0 + mf_tensor_inverse_form(r, s));
+    float q = 1.0 / (1.0 + mf_tensor_inverse_quadratic(r, s));
     return q * q / (MF_PI * sqrt(mf_tensor_determinant(r)));
 }
 
 // P22 of Beckmann: exp(-s^T R^-1 s) / (pi sqrt(det R)) (Heitz 2014, sec. 5.2): Gaussian slopes of covariance R / 2.
 float mf_p22_beckmann(vec2 s, vec3 r) {
-    return exp(-mf_tensor_inverse_form(r, s)) / (MF_PI * sqrt(mf_tensor_determinant(r)));
+    return exp(-mf_tensor_inverse_quadratic(r, s)) / (MF_PI * sqrt(mf_tensor_determinant(r)));
 }
 
 // log(1 + x), x from 0. Small x by 2 artanh(x / (2 + x)), whose series is cut at 1e-8 of itself.
@@ -137,7 +137,7 @@ float mf_log_one_plus(float x) {
 // P22 of the Student-t lobe with the tail exponent gamma, above 1: (1 + s^T R^-1 s / (gamma - 1))^-gamma / (pi sqrt(det R))
 // (STD, Ribardiere et al. 2017). Steep slopes get rare as |s|^(-2 gamma): 2 is GGX, large values are Beckmann.
 float mf_p22_student(vec2 s, vec3 r, float gamma) {
-    float fall = gamma * mf_log_one_plus(mf_tensor_inverse_form(r, s) / (gamma - 1.0));
+    float fall = gamma * mf_log_one_plus(mf_tensor_inverse_quadratic(r, s) / (gamma - 1.0));
     return exp(-fall) / (MF_PI * sqrt(mf_tensor_determinant(r)));
 }
 
@@ -156,7 +156,7 @@ float mf_d_student(vec3 m, vec3 r, float gamma) {
         return 0.0;
     }
     float z = max(m.z, MF_GRAZING);
-    float q = mf_tensor_inverse_form(r, vec2(m.x / z, m.y / z));
+    float q = mf_tensor_inverse_quadratic(r, vec2(m.x / z, m.y / z));
     float fall = gamma * mf_log_one_plus(q / (gamma - 1.0)) + 4.0 * log(z);
     return exp(-fall) / (MF_PI * sqrt(mf_tensor_determinant(r)));
 }
@@ -207,8 +207,8 @@ MfRoundLobe mf_round_lobe(MfSlopeLobe lobe) {
         along = lobe.centre / tilt;
     }
     float least = MF_SMOOTHEST * MF_SMOOTHEST;
-    float aa = max(mf_tensor_form(lobe.scatter, along), least);
-    float cc = max(mf_tensor_form(lobe.scatter, vec2(-along.y, along.x)), least);
+    float aa = max(mf_tensor_quadratic(lobe.scatter, along), least);
+    float cc = max(mf_tensor_quadratic(lobe.scatter, vec2(-along.y, along.x)), least);
     float side = 1.0 - aa - tilt * tilt;
     float spread = sqrt(side * side + 4.0 * tilt * tilt);
     vec2 n = vec2(2.0 * tilt, spread + side);
@@ -238,14 +238,14 @@ float mf_d_slope_lobe(vec3 m, MfSlopeLobe lobe) {
         return 0.0;
     }
     vec2 w = vec2(m.x + lobe.centre.x * m.z, m.y + lobe.centre.y * m.z);
-    float q = 1.0 / (mf_tensor_inverse_form(lobe.scatter, w) + m.z * m.z);
+    float q = 1.0 / (mf_tensor_inverse_quadratic(lobe.scatter, w) + m.z * m.z);
     return q * q / (MF_PI * sqrt(mf_tensor_determinant(lobe.scatter)));
 }
 
 // Smith's Lambda of GGX: (sqrt(1 + v.xy^T R v.xy / v.z^2) - 1) / 2 (Heitz 2014, eq. 72 and 86), without the difference.
 float mf_lambda_ggx(vec3 v, vec3 r) {
     float z = max(v.z, MF_GRAZING);
-    float t = mf_tensor_form(r, vec2(v.x, v.y)) / (z * z);
+    float t = mf_tensor_quadratic(r, vec2(v.x, v.y)) / (z * z);
     return 0.5 * t / (1.0 + sqrt(1.0 + t));
 }
 
@@ -265,7 +265,7 @@ float mf_erfc_scaled(float x) {
 // sec. 5.2), to 3e-6 of 1 + Lambda.
 float mf_lambda_beckmann(vec3 v, vec3 r) {
     float z = max(v.z, MF_GRAZING);
-    float width = sqrt(mf_tensor_form(r, vec2(v.x, v.y)));
+    float width = sqrt(mf_tensor_quadratic(r, vec2(v.x, v.y)));
     if (width <= 0.1 * z) {
         return 0.0;
     }
@@ -305,8 +305,8 @@ float mf_v_smith_ggx_aniso(vec3 l, vec3 v, float alpha_x, float alpha_y) {
 float mf_v_smith_ggx_tensor(vec3 l, vec3 v, vec3 r) {
     float lz = max(l.z, MF_GRAZING);
     float vz = max(v.z, MF_GRAZING);
-    float sv = sqrt(mf_tensor_form(r, vec2(v.x, v.y)) + vz * vz);
-    return 0.5 / (lz * sv + vz * sqrt(mf_tensor_form(r, vec2(l.x, l.y)) + lz * lz));
+    float sv = sqrt(mf_tensor_quadratic(r, vec2(v.x, v.y)) + vz * vz);
+    return 0.5 / (lz * sv + vz * sqrt(mf_tensor_quadratic(r, vec2(l.x, l.y)) + lz * lz));
 }
 
 // Area of a slope lobe's facets that v sees, over that of the surface: the mean of max(0, v.z - s.v.xy), which is
@@ -314,7 +314,7 @@ float mf_v_smith_ggx_tensor(vec3 l, vec3 v, vec3 r) {
 // irradiance without shadows.
 float mf_sigma_slope_lobe(vec3 v, MfSlopeLobe lobe) {
     float c = v.z - lobe.centre.x * v.x - lobe.centre.y * v.y;
-    float form = mf_tensor_form(lobe.scatter, vec2(v.x, v.y));
+    float form = mf_tensor_quadratic(lobe.scatter, vec2(v.x, v.y));
     float root = sqrt(c * c + form);
     if (c < 0.0) {
         return 0.5 * form / (root - c);

@@ -33,8 +33,8 @@ static const float MF_SIGMA2_PEAK = 0.15915494;
 // A standard deviation of half a pixel: twice that covers it (Kaplanyan et al. 2016; Tokuyoshi 2017).
 static const float MF_SIGMA2_HALF = 0.25;
 
-// Most that is added to alpha^2 along an axis (Tokuyoshi 2017): beyond it a first-order kernel tells nothing.
-static const float MF_KAPPA = 0.18;
+// Most that is added to alpha^2 along an axis (kappa in Tokuyoshi 2017): beyond it a first-order kernel tells nothing.
+static const float MF_MOST_ADDED = 0.18;
 
 // Most of the half extent of a pixel in slopes (Kaplanyan et al. 2016; 0.1 to 1 are in use).
 static const float MF_EXTENT_2016 = 0.7;
@@ -93,17 +93,17 @@ float mf_kernel_bound(float3 dndx, float3 dndy, float sigma2) {
     return 2.0 * sigma2 * (dot(dndx, dndx) + dot(dndy, dndy));
 }
 
-// A kernel with no eigenvalue above kappa, axes kept; one that has none comes back as it is.
-float3 mf_kernel_clamp(float3 k, float kappa) {
+// A kernel with no eigenvalue above `most`, axes kept; one that has none comes back as it is.
+float3 mf_kernel_clamp(float3 k, float most) {
     float mean = 0.5 * (k.x + k.z);
     float side = 0.5 * (k.x - k.z);
     float spread = sqrt(side * side + k.y * k.y);
-    if (mean + spread <= kappa) {
+    if (mean + spread <= most) {
         return k;
     }
-    float low = min(mean - spread, kappa);
-    float middle = 0.5 * (kappa + low);
-    float scale = 0.5 * (kappa - low) / max(spread, 1.0e-20);
+    float low = min(mean - spread, most);
+    float middle = 0.5 * (most + low);
+    float scale = 0.5 * (most - low) / max(spread, 1.0e-20);
     return float3(middle + side * scale, k.y * scale, middle - side * scale);
 }
 
@@ -156,10 +156,10 @@ float3 mf_aa_2016_full(float3 r, float2 a, float2 b, float sigma2) {
 }
 
 // Tokuyoshi 2017 and Tokuyoshi & Kaplanyan 2019, axis-aligned: derivatives a and b of h.xy itself, in the tangent frame, in
-// place of slopes; at most kappa per axis. Published with MF_SIGMA2_HALF, in 2021 with MF_SIGMA2_PEAK; MF_KAPPA.
-float3 mf_aa_2019_axes(float3 r, float2 a, float2 b, float sigma2, float kappa) {
+// place of slopes; no more than `most` per axis. Published with MF_SIGMA2_HALF, in 2021 with MF_SIGMA2_PEAK; MF_MOST_ADDED.
+float3 mf_aa_2019_axes(float3 r, float2 a, float2 b, float sigma2, float most) {
     float3 k = mf_kernel_rectangle(a, b, sigma2);
-    return mf_add_kernel(r, float3(min(k.x, kappa), 0.0, min(k.z, kappa)));
+    return mf_add_kernel(r, float3(min(k.x, most), 0.0, min(k.z, most)));
 }
 
 // Tokuyoshi & Kaplanyan 2019, non-axis-aligned; the practical form of 2021. a and b are derivatives of h.xy.
@@ -168,9 +168,9 @@ float3 mf_aa_2019(float3 r, float2 a, float2 b, float sigma2) {
 }
 
 // Tokuyoshi & Kaplanyan 2019 for deferred shading: alpha^2 of a round lobe, and derivatives of interpolated normals, per
-// pixel. Adds the trace of K, at most kappa (MF_SIGMA2_HALF, MF_KAPPA).
-float mf_aa_2019_normals(float alpha2, float3 dndx, float3 dndy, float sigma2, float kappa) {
-    return mf_add_kernel_mean(alpha2, min(mf_kernel_bound(dndx, dndy, sigma2), kappa));
+// pixel. Adds the trace of K, up to `most` (MF_SIGMA2_HALF, MF_MOST_ADDED).
+float mf_aa_2019_normals(float alpha2, float3 dndx, float3 dndy, float sigma2, float most) {
+    return mf_add_kernel_mean(alpha2, min(mf_kernel_bound(dndx, dndy, sigma2), most));
 }
 
 // Tokuyoshi & Kaplanyan 2021, added in projected space (listing 1). a and b are derivatives of h.xy in the tangent frame.
@@ -180,9 +180,9 @@ float3 mf_aa_2021(float3 r, float2 a, float2 b, float sigma2) {
 }
 
 // Tokuyoshi & Kaplanyan 2021 for deferred shading (listing 5): as mf_aa_2019_normals with half the trace, the mean of both
-// axes (MF_SIGMA2_PEAK, MF_KAPPA).
-float mf_aa_2021_normals(float alpha2, float3 dndx, float3 dndy, float sigma2, float kappa) {
-    return mf_add_kernel_mean(alpha2, min(mf_kernel_mean(dndx, dndy, sigma2), kappa));
+// axes (MF_SIGMA2_PEAK, MF_MOST_ADDED).
+float mf_aa_2021_normals(float alpha2, float3 dndx, float3 dndy, float sigma2, float most) {
+    return mf_add_kernel_mean(alpha2, min(mf_kernel_mean(dndx, dndy, sigma2), most));
 }
 
 #endif

@@ -47,7 +47,7 @@ float3 mf_specular_ggx_tensor(float3 l, float3 v, float3 f0, float3 r) {
 // Share of light that a white (f0 = 1) GGX lobe does not reflect at once, 1 - E for the directional albedo E, n.v 0 to 1: a
 // function of t = n.v / alpha, alpha and n.v fitted to quadrature, within 0.008. Of a tensor, take alpha^2 = (xx + yy) / 2:
 // that is within 0.1 of a lobe twice as wide as thin, 0.015 on average. The geometric mean and the width along v are worse.
-float mf_lost_ggx(float n_v, float alpha) {
+float mf_energy_loss_ggx(float n_v, float alpha) {
     float a = clamp(alpha, MF_SMOOTHEST, 1.0);
     float z = clamp(n_v, 0.0, 1.0);
     float t = z / a;
@@ -57,7 +57,7 @@ float mf_lost_ggx(float n_v, float alpha) {
 }
 
 // Its mean over n.v weighted by n.v, 1 - E_avg with E_avg = 2 integral E mu dmu, within 0.004.
-float mf_lost_ggx_mean(float alpha) {
+float mf_energy_loss_ggx_mean(float alpha) {
     float a = clamp(alpha, MF_SMOOTHEST, 1.0);
     float below = 1.0 + 17.313 * sqrt(a) + a * (-11.192 + a * 32.897);
     return a * a * (14.537 + 9.128 * a) / below;
@@ -67,8 +67,8 @@ float mf_lost_ggx_mean(float alpha) {
 // Conty 2017) times F^2 E_avg / (1 - F (1 - E_avg)) (Hill 2018), with the mean of Schlick's term F = (1 + 20 f0) / 21. A
 // white lobe then reflects 1, within 0.013.
 float3 mf_multiscatter_ggx(float n_l, float n_v, float3 f0, float alpha) {
-    float lost = mf_lost_ggx_mean(alpha);
-    float both = mf_lost_ggx(n_l, alpha) * mf_lost_ggx(n_v, alpha) / (MF_PI * lost);
+    float lost = mf_energy_loss_ggx_mean(alpha);
+    float both = mf_energy_loss_ggx(n_l, alpha) * mf_energy_loss_ggx(n_v, alpha) / (MF_PI * lost);
     float3 f = (float3(1.0, 1.0, 1.0) + 20.0 * f0) / 21.0;
     return both * (1.0 - lost) * (f * f / (float3(1.0, 1.0, 1.0) - lost * f));
 }
@@ -76,7 +76,7 @@ float3 mf_multiscatter_ggx(float n_l, float n_v, float3 f0, float alpha) {
 // Scale on mf_specular_ggx instead, 1 + f0 (1 - E(v)) / E(v) (Turquin 2019). White reflects 1, within 0.03; l and v
 // are not interchangeable.
 float3 mf_turquin_scale(float n_v, float3 f0, float alpha) {
-    float lost = mf_lost_ggx(n_v, alpha);
+    float lost = mf_energy_loss_ggx(n_v, alpha);
     return float3(1.0, 1.0, 1.0) + (lost / (1.0 - lost)) * f0;
 }
 
@@ -108,7 +108,7 @@ float mf_diffuse_mean_normal(float3 mean, float3 l) {
 // (Dupuy et al. 2013), within 1e-6 (1 + tau). No shadows. For GGX slopes it is mf_sigma_slope_lobe.
 float mf_diffuse_gaussian(float3 l, float2 mean, float3 covariance) {
     float c = l.z - mean.x * l.x - mean.y * l.y;
-    float tau = sqrt(mf_tensor_form(covariance, float2(l.x, l.y)));
+    float tau = sqrt(mf_tensor_quadratic(covariance, float2(l.x, l.y)));
     float lit = max(c, 0.0);
     if (abs(c) >= 13.0 * tau) {
         return lit;
@@ -144,7 +144,7 @@ float3 mf_reflection_filament(float3 v, float anisotropy, float perceptual) {
 // by 16 and 98, mf_reflection_filament by 22 and 133. For round lobes: 1.3 and 5.7, the mirror direction 13 and 57.
 float3 mf_mean_reflection_ggx(float3 v, float3 r) {
     float z = max(v.z, 0.0);
-    float sigma = 0.5 * (z + sqrt(z * z + mf_tensor_form(r, float2(v.x, v.y))));
+    float sigma = 0.5 * (z + sqrt(z * z + mf_tensor_quadratic(r, float2(v.x, v.y))));
     float2 n = float2(r.x * v.x + r.y * v.y, r.y * v.x + r.z * v.y);
     return mf_reflected(v, float3(n.x, n.y, max(sigma * (1.0 + 0.5 * (r.x + r.z)), MF_GRAZING)));
 }
@@ -153,7 +153,7 @@ float3 mf_mean_reflection_ggx(float3 v, float3 r) {
 // that nothing does for round or smooth lobes. Off by 3.5 degrees on average and 23 at most, as above.
 float3 mf_bent_reflection_ggx(float3 v, float3 r) {
     float z = max(v.z, 0.0);
-    float sigma = 0.5 * (z + sqrt(z * z + mf_tensor_form(r, float2(v.x, v.y))));
+    float sigma = 0.5 * (z + sqrt(z * z + mf_tensor_quadratic(r, float2(v.x, v.y))));
     float side = 0.5 * (r.x - r.z);
     float spread = sqrt(side * side + r.y * r.y);
     float2 n = float2((spread + side) * v.x + r.y * v.y, r.y * v.x + (spread - side) * v.y);

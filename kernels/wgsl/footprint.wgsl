@@ -38,7 +38,7 @@ struct MfFootprint {
     dmdx: vec3f, // derivative of the lobe's normal in the tangent frame, along screen x, per pixel
     dmdy: vec3f, // the same along screen y
     sigma2: f32, // variance of the pixel's filter, pixels^2: MF_SIGMA2_PEAK
-    kappa: f32, // most that either source adds to alpha^2: MF_KAPPA
+    most: f32, // most that either source adds to alpha^2: MF_MOST_ADDED
     texel: f32, // width of a texel in pixels: 1 for mip levels that the GPU chose, 0 at level 0 and above it
 }
 
@@ -77,10 +77,10 @@ fn mf_residual_kernel(k: vec3f, folded: vec3f, share: f32) -> vec3f {
 // The lobe with a kernel of the mesh (a, b along screen x and y, in the lobe's bent frame) and one of the normal map added in
 // projected space.
 fn mf_footprint_lobe(f: MfFootprint, a: vec2f, b: vec2f) -> MfLobe {
-    let mesh: vec3f = mf_kernel_clamp(mf_kernel(a, b, f.sigma2), f.kappa);
+    let mesh: vec3f = mf_kernel_clamp(mf_kernel(a, b, f.sigma2), f.most);
     let c: vec2f = mf_bent_components(f.normal, f.dmdx);
     let d: vec2f = mf_bent_components(f.normal, f.dmdy);
-    let map: vec3f = mf_kernel_clamp(mf_kernel(c, d, f.sigma2), f.kappa);
+    let map: vec3f = mf_kernel_clamp(mf_kernel(c, d, f.sigma2), f.most);
     let more: vec3f = mf_residual_kernel(map, f.tensor - f.base, mf_folded_share(f.sigma2, f.texel));
     var o: MfLobe;
     o.normal = f.normal;

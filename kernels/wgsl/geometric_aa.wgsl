@@ -29,8 +29,8 @@ const MF_SIGMA2_PEAK: f32 = 0.15915494;
 // A standard deviation of half a pixel: twice that covers it (Kaplanyan et al. 2016; Tokuyoshi 2017).
 const MF_SIGMA2_HALF: f32 = 0.25;
 
-// Most that is added to alpha^2 along an axis (Tokuyoshi 2017): beyond it a first-order kernel tells nothing.
-const MF_KAPPA: f32 = 0.18;
+// Most that is added to alpha^2 along an axis (kappa in Tokuyoshi 2017): beyond it a first-order kernel tells nothing.
+const MF_MOST_ADDED: f32 = 0.18;
 
 // Most of the half extent of a pixel in slopes (Kaplanyan et al. 2016; 0.1 to 1 are in use).
 const MF_EXTENT_2016: f32 = 0.7;
@@ -89,17 +89,17 @@ fn mf_kernel_bound(dndx: vec3f, dndy: vec3f, sigma2: f32) -> f32 {
     return 2.0 * sigma2 * (dot(dndx, dndx) + dot(dndy, dndy));
 }
 
-// A kernel with no eigenvalue above kappa, axes kept; one that has none comes back as it is.
-fn mf_kernel_clamp(k: vec3f, kappa: f32) -> vec3f {
+// A kernel with no eigenvalue above `most`, axes kept; one that has none comes back as it is.
+fn mf_kernel_clamp(k: vec3f, most: f32) -> vec3f {
     let mean: f32 = 0.5 * (k.x + k.z);
     let side: f32 = 0.5 * (k.x - k.z);
     let spread: f32 = sqrt(side * side + k.y * k.y);
-    if (mean + spread <= kappa) {
+    if (mean + spread <= most) {
         return k;
     }
-    let low: f32 = min(mean - spread, kappa);
-    let middle: f32 = 0.5 * (kappa + low);
-    let scale: f32 = 0.5 * (kappa - low) / max(spread, 1.0e-20);
+    let low: f32 = min(mean - spread, most);
+    let middle: f32 = 0.5 * (most + low);
+    let scale: f32 = 0.5 * (most - low) / max(spread, 1.0e-20);
     return vec3f(middle + side * scale, k.y * scale, middle - side * scale);
 }
 
@@ -152,10 +152,10 @@ fn mf_aa_2016_full(r: vec3f, a: vec2f, b: vec2f, sigma2: f32) -> vec3f {
 }
 
 // Tokuyoshi 2017 and Tokuyoshi & Kaplanyan 2019, axis-aligned: derivatives a and b of h.xy itself, in the tangent frame, in
-// place of slopes; at most kappa per axis. Published with MF_SIGMA2_HALF, in 2021 with MF_SIGMA2_PEAK; MF_KAPPA.
-fn mf_aa_2019_axes(r: vec3f, a: vec2f, b: vec2f, sigma2: f32, kappa: f32) -> vec3f {
+// place of slopes; no more than `most` per axis. Published with MF_SIGMA2_HALF, in 2021 with MF_SIGMA2_PEAK; MF_MOST_ADDED.
+fn mf_aa_2019_axes(r: vec3f, a: vec2f, b: vec2f, sigma2: f32, most: f32) -> vec3f {
     let k: vec3f = mf_kernel_rectangle(a, b, sigma2);
-    return mf_add_kernel(r, vec3f(min(k.x, kappa), 0.0, min(k.z, kappa)));
+    return mf_add_kernel(r, vec3f(min(k.x, most), 0.0, min(k.z, most)));
 }
 
 // Tokuyoshi & Kaplanyan 2019, non-axis-aligned; the practical form of 2021. a and b are derivatives of h.xy.
@@ -164,9 +164,9 @@ fn mf_aa_2019(r: vec3f, a: vec2f, b: vec2f, sigma2: f32) -> vec3f {
 }
 
 // Tokuyoshi & Kaplanyan 2019 for deferred shading: alpha^2 of a round lobe, and derivatives of interpolated normals, per
-// pixel. Adds the trace of K, at most kappa (MF_SIGMA2_HALF, MF_KAPPA).
-fn mf_aa_2019_normals(alpha2: f32, dndx: vec3f, dndy: vec3f, sigma2: f32, kappa: f32) -> f32 {
-    return mf_add_kernel_mean(alpha2, min(mf_kernel_bound(dndx, dndy, sigma2), kappa));
+// pixel. Adds the trace of K, up to `most` (MF_SIGMA2_HALF, MF_MOST_ADDED).
+fn mf_aa_2019_normals(alpha2: f32, dndx: vec3f, dndy: vec3f, sigma2: f32, most: f32) -> f32 {
+    return mf_add_kernel_mean(alpha2, min(mf_kernel_bound(dndx, dndy, sigma2), most));
 }
 
 // Tokuyoshi & Kaplanyan 2021, added in projected space (listing 1). a and b are derivatives of h.xy in the tangent frame.
@@ -176,7 +176,7 @@ fn mf_aa_2021(r: vec3f, a: vec2f, b: vec2f, sigma2: f32) -> vec3f {
 }
 
 // Tokuyoshi & Kaplanyan 2021 for deferred shading (listing 5): as mf_aa_2019_normals with half the trace, the mean of both
-// axes (MF_SIGMA2_PEAK, MF_KAPPA).
-fn mf_aa_2021_normals(alpha2: f32, dndx: vec3f, dndy: vec3f, sigma2: f32, kappa: f32) -> f32 {
-    return mf_add_kernel_mean(alpha2, min(mf_kernel_mean(dndx, dndy, sigma2), kappa));
+// axes (MF_SIGMA2_PEAK, MF_MOST_ADDED).
+fn mf_aa_2021_normals(alpha2: f32, dndx: vec3f, dndy: vec3f, sigma2: f32, most: f32) -> f32 {
+    return mf_add_kernel_mean(alpha2, min(mf_kernel_mean(dndx, dndy, sigma2), most));
 }

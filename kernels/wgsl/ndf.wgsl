@@ -81,12 +81,12 @@ fn mf_tensor_determinant(r: vec3f) -> f32 {
 }
 
 // p^T R p.
-fn mf_tensor_form(r: vec3f, p: vec2f) -> f32 {
+fn mf_tensor_quadratic(r: vec3f, p: vec2f) -> f32 {
     return max(r.x * p.x * p.x + 2.0 * r.y * p.x * p.y + r.z * p.y * p.y, 0.0);
 }
 
 // p^T R^-1 p. As p.x^2 / xx and a square over the determinant, which loses less than the sum of three terms.
-fn mf_tensor_inverse_form(r: vec3f, p: vec2f) -> f32 {
+fn mf_tensor_inverse_quadratic(r: vec3f, p: vec2f) -> f32 {
     let least: f32 = MF_SMOOTHEST * MF_SMOOTHEST;
     let xx: f32 = max(r.x, least);
     let yy: f32 = max(r.z, least);
@@ -104,19 +104,19 @@ fn mf_d_ggx_tensor(m: vec3f, r: vec3f) -> f32 {
     if (m.z <= 0.0) {
         return 0.0;
     }
-    let q: f32 = 1.0 / (mf_tensor_inverse_form(r, vec2f(m.x, m.y)) + m.z * m.z);
+    let q: f32 = 1.0 / (mf_tensor_inverse_quadratic(r, vec2f(m.x, m.y)) + m.z * m.z);
     return q * q / (MF_PI * sqrt(mf_tensor_determinant(r)));
 }
 
 // P22 of GGX at the slope s: 1 / (pi sqrt(det R) (1 + s^T R^-1 s)^2) (Heitz 2014, sec. 5.3).
 fn mf_p22_ggx(s: vec2f, r: vec3f) -> f32 {
-    let q: f32 = 1.0 / (1.0 + mf_tensor_inverse_form(r, s));
+    let q: f32 = 1.0 / (1.0 + mf_tensor_inverse_quadratic(r, s));
     return q * q / (MF_PI * sqrt(mf_tensor_determinant(r)));
 }
 
 // P22 of Beckmann: exp(-s^T R^-1 s) / (pi sqrt(det R)) (Heitz 2014, sec. 5.2): Gaussian slopes of covariance R / 2.
 fn mf_p22_beckmann(s: vec2f, r: vec3f) -> f32 {
-    return exp(-mf_tensor_inverse_form(r, s)) / (MF_PI * sqrt(mf_tensor_determinant(r)));
+    return exp(-mf_tensor_inverse_quadratic(r, s)) / (MF_PI * sqrt(mf_tensor_determinant(r)));
 }
 
 // log(1 + x), x from 0. Small x by 2 artanh(x / (2 + x)), whose series is cut at 1e-8 of itself.
@@ -132,7 +132,7 @@ fn mf_log_one_plus(x: f32) -> f32 {
 // P22 of the Student-t lobe with the tail exponent gamma, above 1: (1 + s^T R^-1 s / (gamma - 1))^-gamma / (pi sqrt(det R))
 // (STD, Ribardiere et al. 2017). Steep slopes get rare as |s|^(-2 gamma): 2 is GGX, large values are Beckmann.
 fn mf_p22_student(s: vec2f, r: vec3f, gamma: f32) -> f32 {
-    let fall: f32 = gamma * mf_log_one_plus(mf_tensor_inverse_form(r, s) / (gamma - 1.0));
+    let fall: f32 = gamma * mf_log_one_plus(mf_tensor_inverse_quadratic(r, s) / (gamma - 1.0));
     return exp(-fall) / (MF_PI * sqrt(mf_tensor_determinant(r)));
 }
 
@@ -151,7 +151,7 @@ fn mf_d_student(m: vec3f, r: vec3f, gamma: f32) -> f32 {
         return 0.0;
     }
     let z: f32 = max(m.z, MF_GRAZING);
-    let q: f32 = mf_tensor_inverse_form(r, vec2f(m.x / z, m.y / z));
+    let q: f32 = mf_tensor_inverse_quadratic(r, vec2f(m.x / z, m.y / z));
     let fall: f32 = gamma * mf_log_one_plus(q / (gamma - 1.0)) + 4.0 * log(z);
     return exp(-fall) / (MF_PI * sqrt(mf_tensor_determinant(r)));
 }
@@ -202,8 +202,8 @@ fn mf_round_lobe(lobe: MfSlopeLobe) -> MfRoundLobe {
         along = lobe.centre / tilt;
     }
     let least: f32 = MF_SMOOTHEST * MF_SMOOTHEST;
-    let aa: f32 = max(mf_tensor_form(lobe.scatter, along), least);
-    let cc: f32 = max(mf_tensor_form(lobe.scatter, vec2f(-along.y, along.x)), least);
+    let aa: f32 = max(mf_tensor_quadratic(lobe.scatter, along), least);
+    let cc: f32 = max(mf_tensor_quadratic(lobe.scatter, vec2f(-along.y, along.x)), least);
     let side: f32 = 1.0 - aa - tilt * tilt;
     let spread: f32 = sqrt(side * side + 4.0 * tilt * tilt);
     var n: vec2f = vec2f(2.0 * tilt, spread + side);
@@ -233,14 +233,14 @@ fn mf_d_slope_lobe(m: vec3f, lobe: MfSlopeLobe) -> f32 {
         return 0.0;
     }
     let w: vec2f = vec2f(m.x + lobe.centre.x * m.z, m.y + lobe.centre.y * m.z);
-    let q: f32 = 1.0 / (mf_tensor_inverse_form(lobe.scatter, w) + m.z * m.z);
+    let q: f32 = 1.0 / (mf_tensor_inverse_quadratic(lobe.scatter, w) + m.z * m.z);
     return q * q / (MF_PI * sqrt(mf_tensor_determinant(lobe.scatter)));
 }
 
 // Smith's Lambda of GGX: (sqrt(1 + v.xy^T R v.xy / v.z^2) - 1) / 2 (Heitz 2014, eq. 72 and 86), without the difference.
 fn mf_lambda_ggx(v: vec3f, r: vec3f) -> f32 {
     let z: f32 = max(v.z, MF_GRAZING);
-    let t: f32 = mf_tensor_form(r, vec2f(v.x, v.y)) / (z * z);
+    let t: f32 = mf_tensor_quadratic(r, vec2f(v.x, v.y)) / (z * z);
     return 0.5 * t / (1.0 + sqrt(1.0 + t));
 }
 
@@ -260,7 +260,7 @@ fn mf_erfc_scaled(x: f32) -> f32 {
 // sec. 5.2), to 3e-6 of 1 + Lambda.
 fn mf_lambda_beckmann(v: vec3f, r: vec3f) -> f32 {
     let z: f32 = max(v.z, MF_GRAZING);
-    let width: f32 = sqrt(mf_tensor_form(r, vec2f(v.x, v.y)));
+    let width: f32 = sqrt(mf_tensor_quadratic(r, vec2f(v.x, v.y)));
     if (width <= 0.1 * z) {
         return 0.0;
     }
@@ -300,8 +300,8 @@ fn mf_v_smith_ggx_aniso(l: vec3f, v: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
 fn mf_v_smith_ggx_tensor(l: vec3f, v: vec3f, r: vec3f) -> f32 {
     let lz: f32 = max(l.z, MF_GRAZING);
     let vz: f32 = max(v.z, MF_GRAZING);
-    let sv: f32 = sqrt(mf_tensor_form(r, vec2f(v.x, v.y)) + vz * vz);
-    return 0.5 / (lz * sv + vz * sqrt(mf_tensor_form(r, vec2f(l.x, l.y)) + lz * lz));
+    let sv: f32 = sqrt(mf_tensor_quadratic(r, vec2f(v.x, v.y)) + vz * vz);
+    return 0.5 / (lz * sv + vz * sqrt(mf_tensor_quadratic(r, vec2f(l.x, l.y)) + lz * lz));
 }
 
 // Area of a slope lobe's facets that v sees, over that of the surface: the mean of max(0, v.z - s.v.xy), which is
@@ -309,7 +309,7 @@ fn mf_v_smith_ggx_tensor(l: vec3f, v: vec3f, r: vec3f) -> f32 {
 // irradiance without shadows.
 fn mf_sigma_slope_lobe(v: vec3f, lobe: MfSlopeLobe) -> f32 {
     let c: f32 = v.z - lobe.centre.x * v.x - lobe.centre.y * v.y;
-    let form: f32 = mf_tensor_form(lobe.scatter, vec2f(v.x, v.y));
+    let form: f32 = mf_tensor_quadratic(lobe.scatter, vec2f(v.x, v.y));
     let root: f32 = sqrt(c * c + form);
     if (c < 0.0) {
         return 0.5 * form / (root - c);

@@ -43,7 +43,7 @@ fn mf_specular_ggx_tensor(l: vec3f, v: vec3f, f0: vec3f, r: vec3f) -> vec3f {
 // Share of light that a white (f0 = 1) GGX lobe does not reflect at once, 1 - E for the directional albedo E, n.v 0 to 1: a
 // function of t = n.v / alpha, alpha and n.v fitted to quadrature, within 0.008. Of a tensor, take alpha^2 = (xx + yy) / 2:
 // that is within 0.1 of a lobe twice as wide as thin, 0.015 on average. The geometric mean and the width along v are worse.
-fn mf_lost_ggx(n_v: f32, alpha: f32) -> f32 {
+fn mf_energy_loss_ggx(n_v: f32, alpha: f32) -> f32 {
     let a: f32 = clamp(alpha, MF_SMOOTHEST, 1.0);
     let z: f32 = clamp(n_v, 0.0, 1.0);
     let t: f32 = z / a;
@@ -53,7 +53,7 @@ fn mf_lost_ggx(n_v: f32, alpha: f32) -> f32 {
 }
 
 // Its mean over n.v weighted by n.v, 1 - E_avg with E_avg = 2 integral E mu dmu, within 0.004.
-fn mf_lost_ggx_mean(alpha: f32) -> f32 {
+fn mf_energy_loss_ggx_mean(alpha: f32) -> f32 {
     let a: f32 = clamp(alpha, MF_SMOOTHEST, 1.0);
     let below: f32 = 1.0 + 17.313 * sqrt(a) + a * (-11.192 + a * 32.897);
     return a * a * (14.537 + 9.128 * a) / below;
@@ -63,8 +63,8 @@ fn mf_lost_ggx_mean(alpha: f32) -> f32 {
 // Conty 2017) times F^2 E_avg / (1 - F (1 - E_avg)) (Hill 2018), with the mean of Schlick's term F = (1 + 20 f0) / 21. A
 // white lobe then reflects 1, within 0.013.
 fn mf_multiscatter_ggx(n_l: f32, n_v: f32, f0: vec3f, alpha: f32) -> vec3f {
-    let lost: f32 = mf_lost_ggx_mean(alpha);
-    let both: f32 = mf_lost_ggx(n_l, alpha) * mf_lost_ggx(n_v, alpha) / (MF_PI * lost);
+    let lost: f32 = mf_energy_loss_ggx_mean(alpha);
+    let both: f32 = mf_energy_loss_ggx(n_l, alpha) * mf_energy_loss_ggx(n_v, alpha) / (MF_PI * lost);
     let f: vec3f = (vec3f(1.0, 1.0, 1.0) + 20.0 * f0) / 21.0;
     return both * (1.0 - lost) * (f * f / (vec3f(1.0, 1.0, 1.0) - lost * f));
 }
@@ -72,7 +72,7 @@ fn mf_multiscatter_ggx(n_l: f32, n_v: f32, f0: vec3f, alpha: f32) -> vec3f {
 // Scale on mf_specular_ggx instead, 1 + f0 (1 - E(v)) / E(v) (Turquin 2019). White reflects 1, within 0.03; l and v
 // are not interchangeable.
 fn mf_turquin_scale(n_v: f32, f0: vec3f, alpha: f32) -> vec3f {
-    let lost: f32 = mf_lost_ggx(n_v, alpha);
+    let lost: f32 = mf_energy_loss_ggx(n_v, alpha);
     return vec3f(1.0, 1.0, 1.0) + (lost / (1.0 - lost)) * f0;
 }
 
@@ -104,7 +104,7 @@ fn mf_diffuse_mean_normal(mean: vec3f, l: vec3f) -> f32 {
 // (Dupuy et al. 2013), within 1e-6 (1 + tau). No shadows. For GGX slopes it is mf_sigma_slope_lobe.
 fn mf_diffuse_gaussian(l: vec3f, mean: vec2f, covariance: vec3f) -> f32 {
     let c: f32 = l.z - mean.x * l.x - mean.y * l.y;
-    let tau: f32 = sqrt(mf_tensor_form(covariance, vec2f(l.x, l.y)));
+    let tau: f32 = sqrt(mf_tensor_quadratic(covariance, vec2f(l.x, l.y)));
     let lit: f32 = max(c, 0.0);
     if (abs(c) >= 13.0 * tau) {
         return lit;
@@ -140,7 +140,7 @@ fn mf_reflection_filament(v: vec3f, anisotropy: f32, perceptual: f32) -> vec3f {
 // by 16 and 98, mf_reflection_filament by 22 and 133. For round lobes: 1.3 and 5.7, the mirror direction 13 and 57.
 fn mf_mean_reflection_ggx(v: vec3f, r: vec3f) -> vec3f {
     let z: f32 = max(v.z, 0.0);
-    let sigma: f32 = 0.5 * (z + sqrt(z * z + mf_tensor_form(r, vec2f(v.x, v.y))));
+    let sigma: f32 = 0.5 * (z + sqrt(z * z + mf_tensor_quadratic(r, vec2f(v.x, v.y))));
     let n: vec2f = vec2f(r.x * v.x + r.y * v.y, r.y * v.x + r.z * v.y);
     return mf_reflected(v, vec3f(n.x, n.y, max(sigma * (1.0 + 0.5 * (r.x + r.z)), MF_GRAZING)));
 }
@@ -149,7 +149,7 @@ fn mf_mean_reflection_ggx(v: vec3f, r: vec3f) -> vec3f {
 // that nothing does for round or smooth lobes. Off by 3.5 degrees on average and 23 at most, as above.
 fn mf_bent_reflection_ggx(v: vec3f, r: vec3f) -> vec3f {
     let z: f32 = max(v.z, 0.0);
-    let sigma: f32 = 0.5 * (z + sqrt(z * z + mf_tensor_form(r, vec2f(v.x, v.y))));
+    let sigma: f32 = 0.5 * (z + sqrt(z * z + mf_tensor_quadratic(r, vec2f(v.x, v.y))));
     let side: f32 = 0.5 * (r.x - r.z);
     let spread: f32 = sqrt(side * side + r.y * r.y);
     let n: vec2f = vec2f((spread + side) * v.x + r.y * v.y, r.y * v.x + (spread - side) * v.y);

@@ -26,7 +26,7 @@ pub struct Footprint {
     /// Variance of the pixel's filter, pixels squared.
     pub sigma2: f64,
     /// Most that either source adds to alpha^2.
-    pub kappa: f64,
+    pub most: f64,
     /// Width of a texel in pixels; 0 where nothing is folded.
     pub texel: f64,
 }
@@ -60,8 +60,8 @@ pub fn residual_kernel(k: DVec3, folded: DVec3, share: f64) -> DVec3 {
 /// The lobe with kernels of the mesh and of the normal map.
 pub fn footprint_lobe(f: Footprint, a: DVec2, b: DVec2) -> Lobe {
     let [c, d] = [f.dmdx, f.dmdy].map(|dm| bent_components(f.normal, dm));
-    let mesh = kernel_clamp(kernel(a, b, f.sigma2), f.kappa);
-    let map = kernel_clamp(kernel(c, d, f.sigma2), f.kappa);
+    let mesh = kernel_clamp(kernel(a, b, f.sigma2), f.most);
+    let map = kernel_clamp(kernel(c, d, f.sigma2), f.most);
     let more = residual_kernel(map, f.tensor - f.base, folded_share(f.sigma2, f.texel));
     Lobe { normal: f.normal, tensor: add_kernel_projected(f.tensor, mesh + more) }
 }

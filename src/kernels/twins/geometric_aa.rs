@@ -14,7 +14,7 @@ pub const SIGMA2_PEAK: f64 = 0.5 * std::f64::consts::FRAC_1_PI;
 pub const SIGMA2_HALF: f64 = 0.25;
 
 /// Most that is added to alpha^2 along an axis.
-pub const KAPPA: f64 = 0.18;
+pub const MOST_ADDED: f64 = 0.18;
 
 /// Most of the half extent of a pixel in slopes.
 pub const EXTENT_2016: f64 = 0.7;
@@ -83,9 +83,9 @@ pub fn kernel_bound(dndx: DVec3, dndy: DVec3, sigma2: f64) -> f64 {
     2.0 * kernel_mean(dndx, dndy, sigma2)
 }
 
-/// No eigenvalue above kappa.
-pub fn kernel_clamp(k: DVec3, kappa: f64) -> DVec3 {
-    with_eigenvalues(k, |e| e.min(kappa))
+/// No eigenvalue above `most`.
+pub fn kernel_clamp(k: DVec3, most: f64) -> DVec3 {
+    with_eigenvalues(k, |e| e.min(most))
 }
 
 /// `R + K`, no width above 1.
@@ -124,8 +124,8 @@ pub fn aa_2016_full(r: DVec3, a: DVec2, b: DVec2, sigma2: f64) -> DVec3 {
 }
 
 /// Tokuyoshi 2017, the rectangle of h.xy.
-pub fn aa_2019_axes(r: DVec3, a: DVec2, b: DVec2, sigma2: f64, kappa: f64) -> DVec3 {
-    add_kernel(r, kernel_rectangle(a, b, sigma2).min(DVec3::new(kappa, 0.0, kappa)))
+pub fn aa_2019_axes(r: DVec3, a: DVec2, b: DVec2, sigma2: f64, most: f64) -> DVec3 {
+    add_kernel(r, kernel_rectangle(a, b, sigma2).min(DVec3::new(most, 0.0, most)))
 }
 
 /// Tokuyoshi & Kaplanyan 2019, the parallelogram of h.xy.
@@ -134,8 +134,8 @@ pub fn aa_2019(r: DVec3, a: DVec2, b: DVec2, sigma2: f64) -> DVec3 {
 }
 
 /// Tokuyoshi & Kaplanyan 2019, from normals.
-pub fn aa_2019_normals(alpha2: f64, dndx: DVec3, dndy: DVec3, sigma2: f64, kappa: f64) -> f64 {
-    add_kernel_mean(alpha2, kernel_bound(dndx, dndy, sigma2).min(kappa))
+pub fn aa_2019_normals(alpha2: f64, dndx: DVec3, dndy: DVec3, sigma2: f64, most: f64) -> f64 {
+    add_kernel_mean(alpha2, kernel_bound(dndx, dndy, sigma2).min(most))
 }
 
 /// Tokuyoshi & Kaplanyan 2021, listing 1.
@@ -144,18 +144,18 @@ pub fn aa_2021(r: DVec3, a: DVec2, b: DVec2, sigma2: f64) -> DVec3 {
 }
 
 /// Tokuyoshi & Kaplanyan 2021, listing 5.
-pub fn aa_2021_normals(alpha2: f64, dndx: DVec3, dndy: DVec3, sigma2: f64, kappa: f64) -> f64 {
-    add_kernel_mean(alpha2, kernel_mean(dndx, dndy, sigma2).min(kappa))
+pub fn aa_2021_normals(alpha2: f64, dndx: DVec3, dndy: DVec3, sigma2: f64, most: f64) -> f64 {
+    add_kernel_mean(alpha2, kernel_mean(dndx, dndy, sigma2).min(most))
 }
 
 /// [`aa_2021_normals`] at a pixel where n grows by dndx and dndy.
-pub fn aa_screen_normal(alpha2: f64, dndx: DVec3, dndy: DVec3, sigma2: f64, kappa: f64) -> f64 {
-    aa_2021_normals(alpha2, dndx, dndy, sigma2, kappa)
+pub fn aa_screen_normal(alpha2: f64, dndx: DVec3, dndy: DVec3, sigma2: f64, most: f64) -> f64 {
+    aa_2021_normals(alpha2, dndx, dndy, sigma2, most)
 }
 
 /// [`aa_2019_normals`], the same.
-pub fn aa_screen_normal_bound(alpha2: f64, dndx: DVec3, dndy: DVec3, sigma2: f64, kappa: f64) -> f64 {
-    aa_2019_normals(alpha2, dndx, dndy, sigma2, kappa)
+pub fn aa_screen_normal_bound(alpha2: f64, dndx: DVec3, dndy: DVec3, sigma2: f64, most: f64) -> f64 {
+    aa_2019_normals(alpha2, dndx, dndy, sigma2, most)
 }
 
 /// [`aa_2021`] at a pixel where h grows by dhdx and dhdy.
@@ -164,8 +164,8 @@ pub fn aa_screen_half_vector(r: DVec3, dhdx: DVec3, dhdy: DVec3, sigma2: f64) ->
 }
 
 /// [`aa_2019_axes`], the same.
-pub fn aa_screen_half_vector_axes(r: DVec3, dhdx: DVec3, dhdy: DVec3, sigma2: f64, kappa: f64) -> DVec3 {
-    aa_2019_axes(r, dhdx.truncate(), dhdy.truncate(), sigma2, kappa)
+pub fn aa_screen_half_vector_axes(r: DVec3, dhdx: DVec3, dhdy: DVec3, sigma2: f64, most: f64) -> DVec3 {
+    aa_2019_axes(r, dhdx.truncate(), dhdy.truncate(), sigma2, most)
 }
 
 /// [`aa_2016`] with differences of slopes between the pixel and the next ones.

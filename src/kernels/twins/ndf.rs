@@ -63,12 +63,12 @@ pub fn tensor_determinant(r: DVec3) -> f64 {
 }
 
 /// `p^T R p`.
-pub fn tensor_form(r: DVec3, p: DVec2) -> f64 {
+pub fn tensor_quadratic(r: DVec3, p: DVec2) -> f64 {
     (r.x * p.x * p.x + 2.0 * r.y * p.x * p.y + r.z * p.y * p.y).max(0.0)
 }
 
 /// `p^T R^-1 p` by the factors `R = L D L^T`, so that a determinant at its floor keeps it positive.
-pub fn tensor_inverse_form(r: DVec3, p: DVec2) -> f64 {
+pub fn tensor_inverse_quadratic(r: DVec3, p: DVec2) -> f64 {
     let (xx, yy) = (r.x.max(SMOOTHEST.powi(2)), r.z.max(SMOOTHEST.powi(2)));
     let (first, second, large) = if xx >= yy { (p.x, p.y, xx) } else { (p.y, p.x, yy) };
     first * first / large + (second - r.y / large * first).powi(2) * large / tensor_determinant(r)
@@ -81,12 +81,12 @@ pub fn d_ggx_tensor(m: DVec3, r: DVec3) -> f64 {
 
 /// `1 / (pi sqrt(det R) (1 + s^T R^-1 s)^2)`.
 pub fn p22_ggx(s: DVec2, r: DVec3) -> f64 {
-    1.0 / (PI * tensor_determinant(r).sqrt() * (1.0 + tensor_inverse_form(r, s)).powi(2))
+    1.0 / (PI * tensor_determinant(r).sqrt() * (1.0 + tensor_inverse_quadratic(r, s)).powi(2))
 }
 
 /// `exp(-s^T R^-1 s) / (pi sqrt(det R))`.
 pub fn p22_beckmann(s: DVec2, r: DVec3) -> f64 {
-    (-tensor_inverse_form(r, s)).exp() / (PI * tensor_determinant(r).sqrt())
+    (-tensor_inverse_quadratic(r, s)).exp() / (PI * tensor_determinant(r).sqrt())
 }
 
 /// `log(1 + x)`.
@@ -96,7 +96,7 @@ pub fn log_one_plus(x: f64) -> f64 {
 
 /// `(1 + s^T R^-1 s / (gamma - 1))^-gamma / (pi sqrt(det R))`.
 pub fn p22_student(s: DVec2, r: DVec3, gamma: f64) -> f64 {
-    let fall = gamma * (tensor_inverse_form(r, s) / (gamma - 1.0)).ln_1p();
+    let fall = gamma * (tensor_inverse_quadratic(r, s) / (gamma - 1.0)).ln_1p();
     (-fall).exp() / (PI * tensor_determinant(r).sqrt())
 }
 
@@ -138,8 +138,8 @@ pub fn slope_lobe_round(n: DVec3, alpha: f64) -> SlopeLobe {
 pub fn round_lobe(lobe: SlopeLobe) -> RoundLobe {
     let tilt = lobe.centre.length();
     let along = if tilt > 0.0 { lobe.centre / tilt } else { DVec2::X };
-    let aa = tensor_form(lobe.scatter, along).max(SMOOTHEST.powi(2));
-    let cc = tensor_form(lobe.scatter, along.perp()).max(SMOOTHEST.powi(2));
+    let aa = tensor_quadratic(lobe.scatter, along).max(SMOOTHEST.powi(2));
+    let cc = tensor_quadratic(lobe.scatter, along.perp()).max(SMOOTHEST.powi(2));
     let (side, cross) = (1.0 - aa - tilt * tilt, 2.0 * tilt);
     let (sin, cos) = (0.5 * cross.atan2(side)).sin_cos();
     let largest = 0.5 * (1.0 + aa + tilt * tilt + side.hypot(cross));
@@ -158,7 +158,7 @@ pub fn d_slope_lobe(m: DVec3, lobe: SlopeLobe) -> f64 {
 
 /// `(sqrt(1 + t) - 1) / 2`.
 pub fn lambda_ggx(v: DVec3, r: DVec3) -> f64 {
-    let t = tensor_form(r, v.truncate()) / v.z.max(GRAZING).powi(2);
+    let t = tensor_quadratic(r, v.truncate()) / v.z.max(GRAZING).powi(2);
     0.5 * (0.5 * t.ln_1p()).exp_m1()
 }
 
@@ -178,7 +178,7 @@ pub fn erfc_scaled(x: f64) -> f64 {
 
 /// `(erf(a) - 1) / 2 + exp(-a^2) / (2 a sqrt(pi))`.
 pub fn lambda_beckmann(v: DVec3, r: DVec3) -> f64 {
-    let a = v.z.max(GRAZING) / tensor_form(r, v.truncate()).sqrt();
+    let a = v.z.max(GRAZING) / tensor_quadratic(r, v.truncate()).sqrt();
     if a.is_infinite() { 0.0 } else { 0.5 * (-a * a).exp() * (1.0 / (a * PI.sqrt()) - erfc_scaled(a)) }
 }
 
@@ -216,7 +216,7 @@ pub fn mean_cosine(v: DVec3, lobe: SlopeLobe) -> f64 {
 
 /// `(c + sqrt(c^2 + f)) / 2`.
 pub fn sigma_slope_lobe(v: DVec3, lobe: SlopeLobe) -> f64 {
-    let (c, f) = (mean_cosine(v, lobe), tensor_form(lobe.scatter, v.truncate()));
+    let (c, f) = (mean_cosine(v, lobe), tensor_quadratic(lobe.scatter, v.truncate()));
     let root = (c * c + f).sqrt();
     if c < 0.0 { 0.5 * f / (root - c) } else { 0.5 * (c + root) }
 }

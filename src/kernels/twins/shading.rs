@@ -34,7 +34,7 @@ pub fn specular_ggx_tensor(l: DVec3, v: DVec3, f0: DVec3, r: DVec3) -> DVec3 {
 }
 
 /// The fit, as a quotient of two sums of products of powers of n.v and alpha.
-pub fn lost_ggx(n_v: f64, alpha: f64) -> f64 {
+pub fn energy_loss_ggx(n_v: f64, alpha: f64) -> f64 {
     let (z, a) = (n_v.clamp(0.0, 1.0), alpha.clamp(SMOOTHEST, 1.0));
     let sum = |terms: &[[f64; 3]]| terms.iter().map(|t| t[0] * z.powf(t[1]) * a.powf(t[2])).sum::<f64>();
     let above = [[0.2683, 1.0, 2.0], [4.1529, 1.0, 4.0], [0.1285, 3.0, 2.0]];
@@ -51,22 +51,22 @@ pub fn lost_ggx(n_v: f64, alpha: f64) -> f64 {
 }
 
 /// The fit.
-pub fn lost_ggx_mean(alpha: f64) -> f64 {
+pub fn energy_loss_ggx_mean(alpha: f64) -> f64 {
     let a = alpha.clamp(SMOOTHEST, 1.0);
     (14.537 * a.powi(2) + 9.128 * a.powi(3)) / (1.0 + 17.313 * a.sqrt() - 11.192 * a + 32.897 * a * a)
 }
 
 /// Kulla & Conty's term with Hill's factor.
 pub fn multiscatter_ggx(n_l: f64, n_v: f64, f0: DVec3, alpha: f64) -> DVec3 {
-    let average = 1.0 - lost_ggx_mean(alpha);
+    let average = 1.0 - energy_loss_ggx_mean(alpha);
     let f = f0 * (20.0 / 21.0) + DVec3::splat(1.0 / 21.0);
     let colour = f * f * average / (DVec3::ONE - f * (1.0 - average));
-    colour * (lost_ggx(n_l, alpha) * lost_ggx(n_v, alpha) / (PI * (1.0 - average)))
+    colour * (energy_loss_ggx(n_l, alpha) * energy_loss_ggx(n_v, alpha) / (PI * (1.0 - average)))
 }
 
 /// `1 + f0 (1 - E) / E`.
 pub fn turquin_scale(n_v: f64, f0: DVec3, alpha: f64) -> DVec3 {
-    let e = 1.0 - lost_ggx(n_v, alpha);
+    let e = 1.0 - energy_loss_ggx(n_v, alpha);
     DVec3::ONE + f0 * ((1.0 - e) / e)
 }
 
@@ -92,7 +92,7 @@ pub fn diffuse_mean_normal(mean: DVec3, l: DVec3) -> f64 {
 /// `c Phi(c / tau) + tau phi(c / tau)`.
 pub fn diffuse_gaussian(l: DVec3, mean: DVec2, covariance: DVec3) -> f64 {
     let c = l.z - mean.dot(l.truncate());
-    let tau = ndf::tensor_form(covariance, l.truncate()).sqrt();
+    let tau = ndf::tensor_quadratic(covariance, l.truncate()).sqrt();
     if tau == 0.0 { c.max(0.0) } else { (c * gaussian_cdf(c / tau) + tau * gaussian_pdf(c / tau)).max(0.0) }
 }
 
@@ -113,7 +113,7 @@ pub fn reflection_filament(v: DVec3, anisotropy: f64, perceptual: f64) -> DVec3 
 /// The normal `(B v.xy, sigma (1 + tr R / 2))` for what bends, B.
 fn bent_by(v: DVec3, r: DVec3, b: DMat2) -> DVec3 {
     let z = v.z.max(0.0);
-    let sigma = 0.5 * (z + (z * z + ndf::tensor_form(r, v.truncate())).sqrt());
+    let sigma = 0.5 * (z + (z * z + ndf::tensor_quadratic(r, v.truncate())).sqrt());
     reflected(v, (b * v.truncate()).extend((sigma * (1.0 + 0.5 * (r.x + r.z))).max(GRAZING)))
 }
 

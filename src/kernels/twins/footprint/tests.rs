@@ -1,7 +1,7 @@
 use glam::DMat2;
 
 use super::super::draw;
-use super::super::geometric_aa::{KAPPA, SIGMA2_BOX, SIGMA2_HALF, SIGMA2_PEAK, matrix, tensor};
+use super::super::geometric_aa::{MOST_ADDED, SIGMA2_BOX, SIGMA2_HALF, SIGMA2_PEAK, matrix, tensor};
 use super::super::moments::{gaussian_cdf, gaussian_pdf};
 use super::*;
 
@@ -31,7 +31,7 @@ impl Random {
         let (normal, tensor) = (self.normal(), self.tensor());
         let [dndx, dndy, dmdx, dmdy] = [(); 4].map(|()| 0.3 * self.vector());
         let base = 0.5 * (1.0 + self.next()) * tensor;
-        Footprint { normal, tensor, base, dndx, dndy, dmdx, dmdy, sigma2: SIGMA2_PEAK, kappa: KAPPA, texel: 1.0 }
+        Footprint { normal, tensor, base, dndx, dndy, dmdx, dmdy, sigma2: SIGMA2_PEAK, most: MOST_ADDED, texel: 1.0 }
     }
 }
 

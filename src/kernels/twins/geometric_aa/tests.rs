@@ -36,10 +36,10 @@ fn zero_derivatives_give_back_what_came_in() {
         let (r, alpha2) = (lobe(&x), 0.5 + 0.5 * x[0]);
         assert_eq!(aa_2016(r, zero, zero, EXTENT_2016), r);
         assert_eq!(aa_2016_full(r, zero, zero, SIGMA2_HALF), r);
-        assert_eq!(aa_2019_axes(r, zero, zero, SIGMA2_HALF, KAPPA), r);
+        assert_eq!(aa_2019_axes(r, zero, zero, SIGMA2_HALF, MOST_ADDED), r);
         assert_eq!(aa_2019(r, zero, zero, SIGMA2_HALF), r);
-        assert_eq!(aa_2019_normals(alpha2, none, none, SIGMA2_HALF, KAPPA), alpha2);
-        assert_eq!(aa_2021_normals(alpha2, none, none, SIGMA2_PEAK, KAPPA), alpha2);
+        assert_eq!(aa_2019_normals(alpha2, none, none, SIGMA2_HALF, MOST_ADDED), alpha2);
+        assert_eq!(aa_2021_normals(alpha2, none, none, SIGMA2_PEAK, MOST_ADDED), alpha2);
         assert!((aa_2021(r, zero, zero, SIGMA2_PEAK) - r).length() < 1e-12);
     }
 }
@@ -52,8 +52,10 @@ fn kernels_are_semidefinite_clamped_and_ordered() {
         let k = kernel(a, b, SIGMA2_PEAK);
         let (low, high) = eigenvalues(k);
         assert!(low > -1e-15 && high <= kernel_bound(a.extend(0.0), b.extend(0.0), SIGMA2_PEAK) + 1e-15);
-        let (clamped_low, clamped_high) = eigenvalues(kernel_clamp(k, KAPPA));
-        assert!((clamped_low - low.min(KAPPA)).abs() < 1e-12 && (clamped_high - high.min(KAPPA)).abs() < 1e-12);
+        let (clamped_low, clamped_high) = eigenvalues(kernel_clamp(k, MOST_ADDED));
+        assert!(
+            (clamped_low - low.min(MOST_ADDED)).abs() < 1e-12 && (clamped_high - high.min(MOST_ADDED)).abs() < 1e-12
+        );
         let rectangle = kernel_rectangle(a, b, SIGMA2_PEAK);
         for (wide, own) in [(rectangle.x, k.x), (rectangle.z, k.z)] {
             assert!(wide >= own - 1e-15 && wide <= 2.0 * own + 1e-15);
@@ -69,7 +71,7 @@ fn widths_grow_and_never_beyond_one() {
         for filtered in [
             aa_2016(r, a, b, EXTENT_2016),
             aa_2016_full(r, a, b, SIGMA2_HALF),
-            aa_2019_axes(r, a, b, SIGMA2_HALF, KAPPA),
+            aa_2019_axes(r, a, b, SIGMA2_HALF, MOST_ADDED),
             aa_2019(r, a, b, SIGMA2_HALF),
             aa_2021(r, a, b, SIGMA2_PEAK),
         ] {
@@ -206,13 +208,13 @@ fn a_sphere_tells_what_each_method_adds() {
             [
                 over(kernel(local(dx), local(dy), SIGMA2_BOX)),
                 over(aa_2016(r, slope(dx), slope(dy), EXTENT_2016) - r),
-                over(aa_2019_axes(r, local(dx), local(dy), SIGMA2_HALF, KAPPA) - r),
+                over(aa_2019_axes(r, local(dx), local(dy), SIGMA2_HALF, MOST_ADDED) - r),
                 over(aa_2019(r, local(dx), local(dy), SIGMA2_PEAK) - r),
                 over(aa_2021(r, local(dx), local(dy), SIGMA2_PEAK) - r),
             ],
             [
-                (aa_2019_normals(r.x, dx, dy, SIGMA2_HALF, KAPPA) - r.x) / mean,
-                (aa_2021_normals(r.x, dx, dy, SIGMA2_PEAK, KAPPA) - r.x) / mean,
+                (aa_2019_normals(r.x, dx, dy, SIGMA2_HALF, MOST_ADDED) - r.x) / mean,
+                (aa_2021_normals(r.x, dx, dy, SIGMA2_PEAK, MOST_ADDED) - r.x) / mean,
             ],
         )
     };
@@ -234,6 +236,6 @@ fn a_sphere_tells_what_each_method_adds() {
     let first = |row: usize| found[row][0];
     [0.894, 2.68, 2.17, 1.71, 1.50].iter().enumerate().for_each(|(row, stated)| close(first(row), *stated));
     let truth = Sphere { radius: 1.5, centre: DVec2::ZERO }.truth().x;
-    close(first(2) * truth, KAPPA);
-    close(found_means[0] * truth, KAPPA);
+    close(first(2) * truth, MOST_ADDED);
+    close(found_means[0] * truth, MOST_ADDED);
 }

@@ -57,17 +57,18 @@ fn the_albedo_is_the_integral_of_the_brdf() {
 fn lost_light_is_fitted_as_stated() {
     let (mut worst, mut worst_mean, mut worst_furnace, mut worst_scale) = (0.0f64, 0.0f64, 0.0f64, 0.0f64);
     for alpha in [0.001, 0.01, 0.03, 0.06, 0.1, 0.15, 0.2, 0.3, 0.45, 0.6, 0.77, 0.9, 1.0] {
-        let returned = over_cosines(60, |z| multiscatter_ggx(z, 1.0, DVec3::ONE, alpha).x * PI) / lost_ggx(1.0, alpha);
+        let returned =
+            over_cosines(60, |z| multiscatter_ggx(z, 1.0, DVec3::ONE, alpha).x * PI) / energy_loss_ggx(1.0, alpha);
         for n_v in
             [0.0126, 0.03, 0.3, 0.6, 1.0].into_iter().chain([0.5, 1.0, 2.0, 4.0].map(|t| f64::min(t * alpha, 1.0)))
         {
             let e = albedo(n_v, alpha);
-            worst = worst.max((1.0 - lost_ggx(n_v, alpha) - e).abs());
-            worst_furnace = worst_furnace.max((e + returned * lost_ggx(n_v, alpha) - 1.0).abs());
+            worst = worst.max((1.0 - energy_loss_ggx(n_v, alpha) - e).abs());
+            worst_furnace = worst_furnace.max((e + returned * energy_loss_ggx(n_v, alpha) - 1.0).abs());
             worst_scale = worst_scale.max((e * turquin_scale(n_v, DVec3::ONE, alpha).x - 1.0).abs());
         }
         let mean = over_cosines(24, |z| albedo(z, alpha));
-        worst_mean = worst_mean.max((1.0 - lost_ggx_mean(alpha) - mean).abs());
+        worst_mean = worst_mean.max((1.0 - energy_loss_ggx_mean(alpha) - mean).abs());
     }
     let all = [worst, worst_mean, worst_furnace, worst_scale];
     assert!(all.iter().zip([0.008, 0.004, 0.013, 0.03]).all(|(error, stated)| *error < stated), "{all:?}");
@@ -109,7 +110,7 @@ fn diffuse_of_gaussian_slopes() {
     let (mean, covariance) = (DVec2::new(0.3, -0.2), DVec3::new(0.2, 0.05, 0.1));
     for (z, angle) in [(0.9, 0.4), (0.1, 2.0), (0.0, 4.0), (-0.3, 1.0)] {
         let l = direction(z, angle);
-        let tau = ndf::tensor_form(covariance, l.truncate()).sqrt();
+        let tau = ndf::tensor_quadratic(covariance, l.truncate()).sqrt();
         let lit = |x: f64| (l.z - mean.dot(l.truncate()) - tau * x).max(0.0) * gaussian_pdf(x);
         let sum: f64 = (0..40_000).map(|i| lit((f64::from(i) + 0.5) / 2000.0 - 10.0) / 2000.0).sum();
         assert!((sum - diffuse_gaussian(l, mean, covariance)).abs() < 1e-6);
@@ -193,9 +194,9 @@ fn two_widths_as_one() {
             let e = reflection(direction(n_v, angle), ax, ay, [48, 48]).0;
             let means = [(0.5 * (ax * ax + ay * ay)).sqrt(), alpha, (ax * angle.cos()).hypot(ay * angle.sin())];
             for (sum, mean) in sums.iter_mut().zip(means) {
-                *sum += (1.0 - lost_ggx(n_v, mean) - e).abs() / 64.0;
+                *sum += (1.0 - energy_loss_ggx(n_v, mean) - e).abs() / 64.0;
             }
-            worst = worst.max((1.0 - lost_ggx(n_v, means[0]) - e).abs());
+            worst = worst.max((1.0 - energy_loss_ggx(n_v, means[0]) - e).abs());
         }
     }
     assert!(sums[0] < 0.8 * sums[1] && sums[1] < sums[2] && sums[0] < 0.015 && worst < 0.1, "{sums:?} {worst}");

@@ -3,14 +3,14 @@
 use super::geometric_aa::{ROUNDING, TENSOR, derivatives, tensor, v2, v3, with_tensor_at};
 use crate::case::{Bound, Case, Sweep};
 use crate::twins::footprint as twins;
-use crate::twins::geometric_aa::{KAPPA, SIGMA2_BOX, SIGMA2_HALF, SIGMA2_PEAK};
+use crate::twins::geometric_aa::{MOST_ADDED, SIGMA2_BOX, SIGMA2_HALF, SIGMA2_PEAK};
 use crate::twins::moments::{Lobe, bent};
 
 const FILTERS: [f64; 3] = [SIGMA2_PEAK, SIGMA2_HALF, SIGMA2_BOX];
 
 fn footprint(a: &[f64]) -> twins::Footprint {
     let [normal, tensor, base, dndx, dndy, dmdx, dmdy] = std::array::from_fn(|i| v3(a, 3 * i));
-    twins::Footprint { normal, tensor, base, dndx, dndy, dmdx, dmdy, sigma2: a[21], kappa: a[22], texel: a[23] }
+    twins::Footprint { normal, tensor, base, dndx, dndy, dmdx, dmdy, sigma2: a[21], most: a[22], texel: a[23] }
 }
 
 fn lobe(l: Lobe) -> Vec<f64> {
@@ -20,7 +20,8 @@ fn lobe(l: Lobe) -> Vec<f64> {
 /// Normals, a tensor, a share of it as the base, derivatives of both sources, filter, clamp and texel; then further ones.
 fn inputs(count: usize) -> Vec<Vec<f64>> {
     let sweep = tensor(Sweep::new(count).hemisphere()).linear(0.0, 1.0);
-    let sweep = derivatives(derivatives(sweep, 3), 3).one_of(&FILTERS).one_of(&[KAPPA, 1.0]).one_of(&[1.0, 0.0, 0.6]);
+    let sweep =
+        derivatives(derivatives(sweep, 3), 3).one_of(&FILTERS).one_of(&[MOST_ADDED, 1.0]).one_of(&[1.0, 0.0, 0.6]);
     let with_base = |a: Vec<f64>| {
         let base = [a[3] * a[6], a[4] * a[6], a[5] * a[6]];
         [&a[..6], &base, &a[7..]].concat()

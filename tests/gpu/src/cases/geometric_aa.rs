@@ -60,7 +60,7 @@ fn filter(sweep: Sweep) -> Sweep {
 }
 
 fn with_kappa(sweep: Sweep) -> Sweep {
-    filter(sweep).one_of(&[twins::KAPPA, 0.04, 1.0])
+    filter(sweep).one_of(&[twins::MOST_ADDED, 0.04, 1.0])
 }
 
 /// Derivatives of unit vectors: the arguments from each `at` on lose their part along the vector from `of` on.
@@ -188,7 +188,7 @@ fn wide_cases() -> Vec<Case> {
         },
         Case {
             name: "mf_kernel_clamp",
-            inputs: with_tensor(tensor(Sweep::new(1000)).one_of(&[twins::KAPPA, 0.04, 1.0]).inputs()),
+            inputs: with_tensor(tensor(Sweep::new(1000)).one_of(&[twins::MOST_ADDED, 0.04, 1.0]).inputs()),
             twin: |a| twins::kernel_clamp(v3(a, 0), a[3]).to_array().into(),
             bound: TENSOR,
         },

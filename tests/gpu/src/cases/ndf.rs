@@ -121,13 +121,13 @@ fn by_tensor() -> Vec<Case> {
         }),
         // Terms of either sign, up to 100.
         case(
-            "mf_tensor_form",
+            "mf_tensor_quadratic",
             built(slope(any(Sweep::new(500), 10.0)), 0),
             Bound { absolute: 1e-5, relative: 1e-6 },
-            |a| vec![twins::tensor_form(v3(a, 0), v2(a, 3))],
+            |a| vec![twins::tensor_quadratic(v3(a, 0), v2(a, 3))],
         ),
-        case("mf_tensor_inverse_form", built(slope(any(Sweep::new(500), 10.0)), 0), TEN, |a| {
-            vec![twins::tensor_inverse_form(v3(a, 0), v2(a, 3))]
+        case("mf_tensor_inverse_quadratic", built(slope(any(Sweep::new(500), 10.0)), 0), TEN, |a| {
+            vec![twins::tensor_inverse_quadratic(v3(a, 0), v2(a, 3))]
         }),
         case(
             "mf_log_one_plus",

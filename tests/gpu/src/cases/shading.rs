@@ -70,8 +70,12 @@ fn specular() -> Vec<Case> {
 fn energy() -> Vec<Case> {
     let cosine = |sweep: Sweep| sweep.log(1e-5, 1.0).edges(&[0.0, -0.1, 1.000_001]);
     vec![
-        case("mf_lost_ggx", alpha(cosine(Sweep::new(600))).inputs(), ROUNDING, |a| vec![twins::lost_ggx(a[0], a[1])]),
-        case("mf_lost_ggx_mean", alpha(Sweep::new(300)).inputs(), ROUNDING, |a| vec![twins::lost_ggx_mean(a[0])]),
+        case("mf_energy_loss_ggx", alpha(cosine(Sweep::new(600))).inputs(), ROUNDING, |a| {
+            vec![twins::energy_loss_ggx(a[0], a[1])]
+        }),
+        case("mf_energy_loss_ggx_mean", alpha(Sweep::new(300)).inputs(), ROUNDING, |a| {
+            vec![twins::energy_loss_ggx_mean(a[0])]
+        }),
         case("mf_multiscatter_ggx", alpha(colour(cosine(cosine(Sweep::new(600))))).inputs(), ROUNDING, |a| {
             list(twins::multiscatter_ggx(a[0], a[1], v3(a, 2), a[5]))
         }),
