@@ -178,6 +178,7 @@ fn factors_groups_and_parts_of_a_glb() {
     // One part by name goes to the folder itself; a width that is given stands for the file's.
     bake(&desk, "@m.glb -o @one --size 16 --part plain --roughness 0.75");
     assert!(green("one", "roughness").iter().all(|r| (r - 0.75).abs() < 0.003));
+    refuses(&desk, "@m.glb -o @no --part plain --part half --name x", "2 materials");
     refuses(&desk, "@m.glb -o @no --part nobody", "one of a, b, half, plain, moved, split");
     refuses(&desk, "@m.glb -o @no --part plain --part half --normal @n.png", "name it with --part");
 }

@@ -6,7 +6,7 @@ use std::path::Path;
 use super::args::{BakeArgs, Global, depth};
 use super::build::output_folders;
 use super::inputs::{given_width, single};
-use super::job::Job;
+use super::job::{Job, NORMALS_COMPUTED, Under};
 use super::report::{Built, Extent, Report};
 use crate::codec;
 use crate::curvature::{BakeOptions, LoadOptions, Mesh, load, vertex_curvature};
@@ -50,6 +50,10 @@ pub fn run(args: &BakeArgs, global: &Global, report: &mut Report) -> Result<()> 
             jobs.push((group.name.clone(), Group { parts: with, ..group }, true));
         }
     }
+    if args.maps.name.is_some() && jobs.len() != 1 {
+        let expected = "one material; several are named after the file's";
+        return Err(Error::invalid_option("--name", format!("{} materials", jobs.len()), expected));
+    }
     let names: Vec<&str> = jobs.iter().map(|(name, ..)| name.as_str()).collect();
     let folders = if let [_] = jobs[..] { vec![args.output.clone()] } else { output_folders(&args.output, &names) };
     for ((name, group, textured), folder) in jobs.into_iter().zip(folders) {
@@ -68,8 +72,8 @@ pub fn run(args: &BakeArgs, global: &Global, report: &mut Report) -> Result<()> 
             let read = |path: &Path| group.surface.as_ref().map_or_else(|| codec::read(path), |s| s.read(path));
             let baking = BakeOptions { padding: usize::from(args.padding) };
             let form = args.folding.form();
-            let mesh = Some((&mesh, baking));
-            let job = Job { inputs: &inputs, read: &read, mesh, options: &options, form, request: &request };
+            let under = Some(Under { mesh: &mesh, file: &args.mesh, options: baking });
+            let job = Job { inputs: &inputs, read: &read, under, options: &options, form, request: &request };
             job.run(global.dry_run, &report.progress).map(|done| done.built)
         } else {
             at_vertices(&name, &folder, &mesh, global)
@@ -166,13 +170,12 @@ fn at_vertices(name: &str, folder: &Path, mesh: &Mesh, global: &Global) -> Resul
     } else {
         write_vertices(folder, name, mesh, &vertex_curvature(mesh), global.force)?;
     }
-    let computed = "the mesh lacks normals: computed, with an edge where faces meet at a large angle (--crease)";
     Ok(Built {
         name: name.into(),
         folder: folder.to_string_lossy().into_owned(),
         extent: Extent::Vertices { vertices: mesh.positions.len(), triangles: mesh.triangles.len() },
         files: vec![file, MANIFEST.into()],
         notes: vec!["no texture coordinates: curvature at the vertices".into()],
-        warnings: if mesh.normals_computed { vec![computed.into()] } else { vec![] },
+        warnings: if mesh.normals_computed { vec![NORMALS_COMPUTED.into()] } else { vec![] },
     })
 }

@@ -1,5 +1,6 @@
 //! One material from inputs to files.
 
+use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use indicatif::ProgressBar;
@@ -17,13 +18,25 @@ use crate::output::{MANIFEST, Plan, Request, fold_for, write};
 pub struct Job<'a> {
     pub inputs: &'a Inputs,
     pub read: ReadPicture<'a>,
-    /// What lies under the texture, and how many texels beside it are filled.
-    pub mesh: Option<(&'a Mesh, BakeOptions)>,
+    /// The mesh under the texture, if its curvature is to be baked.
+    pub under: Option<Under<'a>>,
     pub options: &'a Options,
     /// One width or two; if it was not said, two where the inputs are anisotropic.
     pub form: Option<Form>,
     pub request: &'a Request,
 }
+
+/// A mesh under a texture.
+pub struct Under<'a> {
+    pub mesh: &'a Mesh,
+    /// Where it came from.
+    pub file: &'a Path,
+    pub options: BakeOptions,
+}
+
+/// A warning about a mesh.
+pub const NORMALS_COMPUTED: &str =
+    "the mesh lacks normals: computed, with an edge where faces meet at a large angle (--crease)";
 
 /// A material after its build.
 pub struct Done {
@@ -48,13 +61,13 @@ impl Job<'_> {
         request.extras.iter().try_for_each(|extra| extra.check(options.form, options.lobes))?;
         let plan = Plan::new(&material, &options, request);
         plan.check(&material, request)?;
-        if let Some((mesh, baking)) = &self.mesh {
+        if let Some(under) = &self.under {
             bar.set_message(format!("baking {name}"));
             let portion = Portion::on(bar);
             // What may be wrong with the mesh shows at any size.
             let size = if dry_run { Size::new(1, 1) } else { material.size };
-            let baked = bake(mesh, size, baking, &|share| portion.show(share))?;
-            tell(mesh, &baked.summary, &mut material);
+            let baked = bake(under.mesh, size, &under.options, &|share| portion.show(share))?;
+            tell(under, &baked.summary, &mut material);
             material.curvature = Some(baked.levels);
         }
         let files = plan.outputs.iter().map(|o| o.name.clone()).chain([MANIFEST.to_owned()]).collect();
@@ -111,12 +124,12 @@ impl Job<'_> {
 }
 
 /// What was found under a texture.
-fn tell(mesh: &Mesh, found: &Summary, material: &mut Material) {
+fn tell(under: &Under, found: &Summary, material: &mut Material) {
     let Summary { triangles, islands, left_out, covered, overlapped, .. } = *found;
-    material.notes.push(format!("curvature of {triangles} triangles in {islands} islands, added from level 1 on"));
-    if mesh.normals_computed {
-        let warning = "the mesh lacks normals: computed, with an edge where faces meet at a large angle (--crease)";
-        material.warnings.push(warning.into());
+    let file = under.file.file_name().unwrap_or_default().to_string_lossy();
+    material.notes.push(format!("curvature of {triangles} triangles of {file}, {islands} islands, from level 1 on"));
+    if under.mesh.normals_computed {
+        material.warnings.push(NORMALS_COMPUTED.into());
     }
     if left_out > 0.005 {
         let share = 100.0 * left_out;

@@ -117,7 +117,7 @@ pub struct Summary {
     pub overlapped: usize,
 }
 
-/// Bakes a mesh (or one [part](Mesh::part) of it) into a texture of this size. Texture coordinates repeat beyond
+/// Bakes a mesh (or [some parts](Mesh::select) of it) into a texture of this size. Texture coordinates repeat beyond
 /// 0 to 1. `progress` gets the share of work done, 0 to 1, from any thread. The result is the same to the bit on any
 /// number of threads.
 ///

@@ -14,7 +14,7 @@ pub(super) fn add(levels: &mut [Level], baked: &[curvature::Level], options: &Op
     let (low, high) = (options.min_alpha.squared(), options.max_alpha.squared());
     for (level, baked) in levels.iter_mut().zip(baked.get(1..).unwrap_or_default()) {
         let (form, stride, count) = (level.lobes.form(), level.lobes.stride(), level.lobes.count());
-        let mut rows = level.lobes.bands_mut(1).into_iter().collect::<Vec<_>>();
+        let mut rows: Vec<_> = level.lobes.bands_mut(1).collect();
         rows.par_iter_mut().enumerate().for_each(|(y, planes)| {
             for x in 0..planes.dim().2 {
                 let mesh = baked.added[[y, x]];
