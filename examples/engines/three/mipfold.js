@@ -6,7 +6,7 @@
 // Run here:    in Chromium with software WebGL, by tests/gpu/tests/engines.rs.
 // Unverified:  hardware GPUs; WebGPURenderer and node materials, which never call onBeforeCompile.
 
-import { LinearMipmapLinearFilter, RepeatWrapping, REVISION, ShaderChunk, Texture } from 'three';
+import { ImageLoader, LinearMipmapLinearFilter, RepeatWrapping, REVISION, ShaderChunk, Texture } from 'three';
 
 // A map of `mipfold build`'s folder (an URL with a slash at its end): 'normal' and 'roughness' are those of a material's
 // normalMap and roughnessMap; manifest.json names the others. Mips go to the GPU as they are: three generates none.
@@ -17,16 +17,8 @@ export async function foldedMap( folder, role ) {
 	const map = manifest.maps.find( ( map ) => map.role === role && map.container === 'png' );
 	if ( map === undefined ) throw new Error( `mipfold: no PNG with role '${ role }' in ${ folder }manifest.json` );
 
-	const mips = await Promise.all( map.files.map( async ( file ) => {
-
-		const image = new Image();
-		image.crossOrigin = 'anonymous';
-		image.src = folder + file;
-		await image.decode();
-		return image;
-
-	} ) );
-
+	const loader = new ImageLoader();
+	const mips = await Promise.all( map.files.map( ( file ) => loader.loadAsync( folder + file ) ) );
 	const texture = new Texture( mips[ 0 ] );
 	texture.mipmaps = mips;
 	texture.generateMipmaps = false;
