@@ -55,8 +55,8 @@ float mfWidened( const in float r, const in vec3 n ) { return pow( ${ widen }, 0
 		let lights = ShaderChunk.lights_physical_fragment;
 		for ( const name of [ 'roughness', 'clearcoatRoughness' ] ) {
 
-			const target = `material.${ name }`;
-			lights = replaced( lights, `${ target } += geometryRoughness;`, `${ target } = mfWidened( ${ target }, nonPerturbedNormal );` );
+			const own = `material.${ name } += geometryRoughness;`;
+			lights = replaced( lights, own, `material.${ name } = mfWidened( material.${ name }, nonPerturbedNormal );` );
 
 		}
 
@@ -74,7 +74,8 @@ float mfWidened( const in float r, const in vec3 n ) { return pow( ${ widen }, 0
 
 function replaced( text, part, by ) {
 
-	if ( text.split( part ).length !== 2 ) throw new Error( `mipfold: the shader of three r${ REVISION } has no single '${ part }'` );
+	const found = text.split( part ).length - 1;
+	if ( found !== 1 ) throw new Error( `mipfold: the shader of three r${ REVISION } has ${ found } times '${ part }'` );
 	return text.replace( part, () => by );
 
 }

@@ -7,7 +7,8 @@
 //              order, output Filtered (Float). Connect the smoothness of the map and a Normal Vector node (any space),
 //              and Filtered with Smoothness of the Fragment block.
 // Turn off:    HDRP's Geometric Specular AA of the material, or it counts twice.
-// Unverified:  never run in Unity; passes without derivatives, as ray tracing. glslang compiles it as HLSL.
+// Unverified:  never run in Unity; passes without derivatives, as ray tracing. The tests compile it by glslang and compare
+//              what it computes with the helper's twin.
 #ifndef MIPFOLD_CURVATURE_INCLUDED
 #define MIPFOLD_CURVATURE_INCLUDED
 
@@ -21,7 +22,7 @@ void MipfoldCurvature_float(float Smoothness, float3 Normal, out float Filtered)
     Filtered = 1.0 - sqrt(sqrt(alpha2));
 }
 
-// In floats all the same: alpha^2 of a smooth surface is below what a half can hold.
+// In floats all the same: a half has few digits left for alpha^2 of a smooth surface.
 void MipfoldCurvature_half(half Smoothness, half3 Normal, out half Filtered)
 {
     float filtered;
