@@ -33,14 +33,14 @@ export async function foldedMap( folder, role ) {
 // of geometric_aa_screen.glsl. Of the table in it, for interpolated normals and one roughness:
 //   formula 'mf_aa_screen_normal', sigma2 'MF_SIGMA2_PEAK'        least blur (the default)
 //   formula 'mf_aa_screen_normal_bound', sigma2 'MF_SIGMA2_HALF'  no sparkle, some blur
-// Both are GLSL text, as is kappa. Call it before the material is first drawn.
+// Both are GLSL text, as is `most`. Call it before the material is first drawn.
 export function curvatureFiltering( material, helpers, {
 	formula = 'mf_aa_screen_normal',
 	sigma2 = 'MF_SIGMA2_PEAK',
-	kappa = 'MF_KAPPA',
+	most = 'MF_MOST_ADDED',
 } = {} ) {
 
-	const widen = `${ formula }( pow( r, 4.0 ), n, ${ sigma2 }, ${ kappa } )`;
+	const widen = `${ formula }( pow( r, 4.0 ), n, ${ sigma2 }, ${ most } )`;
 
 	// Perceptual roughness r, unit normal n: alpha^2 = r^4.
 	const functions = `${ helpers }

@@ -18,7 +18,7 @@ void MipfoldCurvature_float(float Smoothness, float3 Normal, out float Filtered)
 {
     float roughness = 1.0 - Smoothness;
     float alpha = roughness * roughness;
-    float alpha2 = mf_aa_screen_normal(alpha * alpha, normalize(Normal), MF_SIGMA2_PEAK, MF_KAPPA);
+    float alpha2 = mf_aa_screen_normal(alpha * alpha, normalize(Normal), MF_SIGMA2_PEAK, MF_MOST_ADDED);
     Filtered = 1.0 - sqrt(sqrt(alpha2));
 }
 

@@ -14,7 +14,7 @@ use mipfold_gpu_tests::case::SplitMix;
 use mipfold_gpu_tests::gpu::{CALLS_AT_ONCE, Gpu, Program, Stage, glslang_with, gpu, has_glslang, say, skipped};
 use mipfold_gpu_tests::source::{bundle, kernels};
 use mipfold_gpu_tests::translate::Language;
-use mipfold_gpu_tests::twins::geometric_aa::{KAPPA, SIGMA2_PEAK, aa_2021_normals};
+use mipfold_gpu_tests::twins::geometric_aa::{MOST_ADDED, SIGMA2_PEAK, aa_2021_normals};
 
 #[path = "engines/site.rs"]
 mod site;
@@ -290,7 +290,7 @@ fn error(gpu: &Gpu, language: Language, text: &str) -> Result<f64, String> {
         }
         let [n, x, y, _] = quad.map(|n| n.as_dvec3().normalize());
         let alpha2 = f64::from(roughness).powi(4);
-        expected.push(aa_2021_normals(alpha2, x - n, y - n, SIGMA2_PEAK, KAPPA).sqrt().sqrt());
+        expected.push(aa_2021_normals(alpha2, x - n, y - n, SIGMA2_PEAK, MOST_ADDED).sqrt().sqrt());
     }
     let program = Program::new(language, Stage::Fragment, text)?;
     let out = gpu.run(&program, 0, QUADS, &words, 4 * QUADS)?;
