@@ -60,9 +60,24 @@ impl Gpu {
         }))
         .ok()?;
         let info = adapter.get_info();
-        let wanted = wgpu::DeviceDescriptor { required_limits: adapter.limits(), ..Default::default() };
+        let wanted = wgpu::DeviceDescriptor {
+            // For 16-bit maps, where there is such a thing.
+            required_features: adapter.features() & wgpu::Features::TEXTURE_FORMAT_16BIT_NORM,
+            required_limits: adapter.limits(),
+            ..Default::default()
+        };
         let (device, queue) = pollster::block_on(adapter.request_device(&wanted)).expect("a device of the adapter");
         Some(Self { name: format!("{} ({})", info.name, info.driver_info), device, queue, running: Mutex::new(()) })
+    }
+
+    /// For shaders of other kinds.
+    pub fn device(&self) -> &wgpu::Device {
+        &self.device
+    }
+
+    /// Of [`device`](Self::device).
+    pub fn queue(&self) -> &wgpu::Queue {
+        &self.queue
     }
 
     /// Runs one function of a program once for each of `calls`, whole groups of them. It reads the words at binding 0 and
