@@ -2,7 +2,7 @@
 
 use std::fs;
 use std::process::Command;
-use std::sync::{Mutex, OnceLock, PoisonError};
+use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 
 use wgpu::util::DeviceExt;
 
@@ -75,6 +75,11 @@ impl Gpu {
         &self.device
     }
 
+    /// Hold it while a scope of errors is open: one run at a time.
+    pub fn alone(&self) -> MutexGuard<'_, ()> {
+        self.running.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
     /// Of [`device`](Self::device).
     pub fn queue(&self) -> &wgpu::Queue {
         &self.queue
@@ -91,7 +96,7 @@ impl Gpu {
         words_out: usize,
     ) -> Result<Vec<u32>, String> {
         use wgpu::{BufferUsages, ShaderStages};
-        let _one = self.running.lock().unwrap_or_else(PoisonError::into_inner);
+        let _one = self.alone();
         let scope = self.device.push_error_scope(wgpu::ErrorFilter::Validation);
         let source = match &program.code {
             Code::Wgsl(text) => wgpu::ShaderSource::Wgsl(text.replace("WHICH", &which.to_string()).into()),

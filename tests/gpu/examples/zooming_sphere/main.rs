@@ -13,6 +13,10 @@
 //! - *The truth* is the mean of many rays a pixel, at level 0 without mips. They lie equally close on the sphere at all
 //!   distances.
 //!
+//! Where the grain of a normal map is a texel or two, the GPU's interpolation at level 0 smooths the truth; `--nearest` takes
+//! texels as a fold takes them. Normals see curvature at the rim that no light does, and it glows a little; `--half-vectors`
+//! costs more and does not.
+//!
 //! The sphere fills its pane at every distance: far ones are drawn with few pixels and enlarged, so that these can be seen.
 
 use std::error::Error;
@@ -33,7 +37,7 @@ mod show;
 #[cfg(test)]
 mod tests;
 
-use renderer::Renderer;
+use renderer::{Curvature, Lookup, Renderer};
 use scene::Scene;
 use sequence::Sequence;
 
@@ -48,6 +52,8 @@ FOLDER is what `mipfold build -o FOLDER` wrote, or `mips` of a demo
   --rays N         rays of the truth along a side of a pixel, nearest sphere, 1 to 64 [default: 16]
   --repeats N      repeats of the texture around the sphere, 1 to 100 [default: 3]
   --anisotropic N  probes of anisotropic filtering, 1 to 16; 1 is trilinear [default: 1]
+  --half-vectors   curvature as half vectors see it, for each light, in place of normals
+  --nearest        the truth sees single texels, and not what is interpolated between them
   --stills         write the first frame of each distance beside FILE as well
 ";
 
@@ -57,14 +63,15 @@ struct Arguments {
     out: PathBuf,
     stills: bool,
     repeats: u32,
-    anisotropic: u16,
+    lookup: Lookup,
     sequence: Sequence,
 }
 
 /// Nothing where help was asked for.
 fn arguments() -> Result<Option<Arguments>, Box<dyn Error>> {
     let (mut folder, mut out) = (None, PathBuf::from("zooming-sphere.png"));
-    let (mut stills, mut repeats, mut anisotropic, mut sequence) = (false, 3, 1, Sequence::default());
+    let (mut stills, mut repeats, mut sequence) = (false, 3, Sequence::default());
+    let mut lookup = Lookup { anisotropic: 1, nearest: false };
     let mut given = std::env::args_os().skip(1);
     while let Some(argument) = given.next() {
         let name = argument.to_string_lossy().into_owned();
@@ -80,7 +87,9 @@ fn arguments() -> Result<Option<Arguments>, Box<dyn Error>> {
             "--turn" => sequence.turn = number(value()?, 0.0, 360.0)?,
             "--rays" => sequence.rays = number(value()?, 1.0, 64.0)? as u32,
             "--repeats" => repeats = number(value()?, 1.0, 100.0)? as u32,
-            "--anisotropic" => anisotropic = number(value()?, 1.0, 16.0)? as u16,
+            "--anisotropic" => lookup.anisotropic = number(value()?, 1.0, 16.0)? as u16,
+            "--half-vectors" => sequence.curvature = Curvature::HalfVectors,
+            "--nearest" => lookup.nearest = true,
             "--stills" => stills = true,
             _ if name.starts_with('-') => return Err(format!("unknown option {name}\n\n{USAGE}").into()),
             _ if folder.is_some() => return Err("more than one folder".into()),
@@ -88,7 +97,7 @@ fn arguments() -> Result<Option<Arguments>, Box<dyn Error>> {
         }
     }
     let folder = folder.ok_or_else(|| format!("no folder\n\n{USAGE}"))?;
-    Ok(Some(Arguments { folder, out, stills, repeats, anisotropic, sequence }))
+    Ok(Some(Arguments { folder, out, stills, repeats, lookup, sequence }))
 }
 
 fn run() -> Result<(), Box<dyn Error>> {
@@ -96,13 +105,17 @@ fn run() -> Result<(), Box<dyn Error>> {
         say(USAGE);
         return Ok(());
     };
+    // Drawing takes minutes: better to complain before.
+    if let Some(parent) = arguments.out.parent().filter(|p| !p.as_os_str().is_empty() && !p.is_dir()) {
+        return Err(format!("{}: no such folder", parent.display()).into());
+    }
     let (name, folded) = folder::read(&arguments.folder)?;
     let gpu = gpu().ok_or("no Vulkan device: install its driver, or Mesa's software one (mesa-vulkan-drivers)")?;
     // A mirrored texture repeats every second time.
     let repeats = if folded.mirrored { arguments.repeats.next_multiple_of(2) } else { arguments.repeats };
     let renderer = Renderer::new(gpu, Scene::new(repeats))?;
-    let plain = renderer.upload(&folded.with_plain_mips(), arguments.anisotropic)?;
-    let folded = renderer.upload(&folded, arguments.anisotropic)?;
+    let plain = renderer.upload(&folded.with_plain_mips(), arguments.lookup)?;
+    let folded = renderer.upload(&folded, arguments.lookup)?;
     say(&format!("{name}, on {}\n\n{}", gpu.name, sequence::HEADING));
 
     let (mut frames, mut exposure) = (Vec::new(), None);

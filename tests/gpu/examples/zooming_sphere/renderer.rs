@@ -17,14 +17,31 @@ const EDGE_SAMPLES: u32 = 4;
 const PANE_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
 const TRUTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;
 
+/// How the curvature of the mesh is added to the roughness: `footprint` of the shader helpers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Curvature {
+    /// Not at all.
+    None,
+    /// Once, by how the normals turn across the pixel: `mf_footprint_normals`.
+    Normals,
+    /// For each light, by how the half vectors turn: `mf_footprint_half_vectors`.
+    HalfVectors,
+}
+
+/// How textures are looked up.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Lookup {
+    /// Most probes along a slanted pixel, 1 to 16; 1 is trilinear.
+    pub anisotropic: u16,
+    /// The truth sees single texels, and not what is interpolated between them.
+    pub nearest: bool,
+}
+
 /// How a picture is drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Way {
     /// With the mip chain, as the GPU filters it.
-    Mips {
-        /// With the curvature of the mesh added to the roughness.
-        curvature: bool,
-    },
+    Mips(Curvature),
     /// At level 0, so many rays along a side of a pixel.
     Rays(u32),
 }
@@ -61,6 +78,7 @@ impl<'a> Renderer<'a> {
     /// Errors are the shader compiler's.
     pub fn new(gpu: &'a Gpu, scene: Scene) -> Result<Self, Box<dyn Error>> {
         let device = gpu.device();
+        let _one = gpu.alone();
         let scope = device.push_error_scope(wgpu::ErrorFilter::Validation);
         let helpers = bundle("footprint", Language::Wgsl)?.text;
         let lights = scene.lights.len();
@@ -125,17 +143,19 @@ impl<'a> Renderer<'a> {
         Ok(Self { gpu, scene, vertices, triangles, triangle_corners, pane, truth, mean })
     }
 
-    /// Copies maps to the GPU; it filters with up to `anisotropy` probes along a slanted pixel, 1 to 16.
-    pub fn upload(&self, material: &Material, anisotropy: u16) -> Result<Textures, Box<dyn Error>> {
+    /// Copies maps to the GPU.
+    pub fn upload(&self, material: &Material, lookup: Lookup) -> Result<Textures, Box<dyn Error>> {
         let device = self.gpu.device();
         let address = if material.mirrored { wgpu::AddressMode::MirrorRepeat } else { wgpu::AddressMode::Repeat };
+        let linear = wgpu::FilterMode::Linear;
         let sampler = device.create_sampler(&wgpu::SamplerDescriptor {
             address_mode_u: address,
             address_mode_v: address,
-            mag_filter: wgpu::FilterMode::Linear,
-            min_filter: wgpu::FilterMode::Linear,
+            // Level 0, as the truth asks for it, is never minified.
+            mag_filter: if lookup.nearest { wgpu::FilterMode::Nearest } else { linear },
+            min_filter: linear,
             mipmap_filter: wgpu::MipmapFilterMode::Linear,
-            anisotropy_clamp: anisotropy,
+            anisotropy_clamp: lookup.anisotropic,
             ..Default::default()
         });
         let normal = self.texture(&material.normal)?;
@@ -199,9 +219,10 @@ impl<'a> Renderer<'a> {
     /// A picture of `side` pixels along a side.
     pub fn draw(&self, textures: &Textures, pose: Pose, side: u32, way: Way) -> Result<Picture, Box<dyn Error>> {
         let device = self.gpu.device();
+        let _one = self.gpu.alone();
         let scope = device.push_error_scope(wgpu::ErrorFilter::Validation);
         let (rays, format, samples) = match way {
-            Way::Mips { .. } => (1, PANE_FORMAT, EDGE_SAMPLES),
+            Way::Mips(_) => (1, PANE_FORMAT, EDGE_SAMPLES),
             Way::Rays(rays) => (rays, TRUTH_FORMAT, 1),
         };
         let size = 16 * u64::from(side) * u64::from(side);
@@ -283,8 +304,12 @@ impl<'a> Renderer<'a> {
         let flag = |on: bool| f32::from(u8::from(on));
         let scale = side as f32 / part as f32;
         let middle = |from: u32| (2 * from + part) as f32 / side as f32 - 1.0;
-        let curvature = matches!(way, Way::Mips { curvature: true });
-        let more = [flag(curvature), flag(textures.has_anisotropy), 0.0, 0.0];
+        let curvature = match way {
+            Way::Mips(Curvature::None) | Way::Rays(_) => 0.0,
+            Way::Mips(Curvature::Normals) => 1.0,
+            Way::Mips(Curvature::HalfVectors) => 2.0,
+        };
+        let more = [curvature, flag(textures.has_anisotropy), 0.0, 0.0];
         let words = self.scene.uniform(pose, [scale, scale, middle(x), -middle(y)], textures.decode, more);
         let bytes: Vec<u8> = words.iter().flat_map(|v| v.to_le_bytes()).collect();
         let scene = filled(self.gpu.device(), &bytes, wgpu::BufferUsages::UNIFORM);

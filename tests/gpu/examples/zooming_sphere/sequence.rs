@@ -3,7 +3,7 @@
 use std::error::Error;
 
 use crate::measure::{Figures, figures, whole_pixels};
-use crate::renderer::{Picture, Renderer, Textures, Way};
+use crate::renderer::{Curvature, Picture, Renderer, Textures, Way};
 use crate::scene::Pose;
 use crate::show::{Frame, PANE};
 
@@ -11,13 +11,13 @@ use crate::show::{Frame, PANE};
 pub const SHRUNK: &[u32] = &[1, 2, 3, 4, 6, 8, 12, 16];
 
 /// Of the panes, from left to right.
-pub const CAPTIONS: [&str; 4] = ["plain mips", "folded", "folded - curvature", "truth"];
+pub const CAPTIONS: [&str; 4] = ["plain mips", "folded", "and curvature", "truth"];
 
 /// Above the rows.
-pub const HEADING: &str = "\
-               error                       brightness                  flicker
-size pixels    plain   folded  curvature   plain   folded  curvature   plain   folded  curvature   truth moves
-";
+pub const HEADING: &str = concat!(
+    "               error                       brightness                  flicker\n",
+    "size pixels    plain   folded  curvature   plain   folded  curvature   plain   folded  curvature   truth moves\n",
+);
 
 /// Below the rows.
 pub const FOOTNOTE: &str = "
@@ -35,11 +35,13 @@ pub struct Sequence {
     pub turn: f32,
     /// Of the truth, along a side of a pixel where the sphere is nearest.
     pub rays: u32,
+    /// Of the third pane.
+    pub curvature: Curvature,
 }
 
 impl Default for Sequence {
     fn default() -> Self {
-        Self { frames: 10, turn: 1.5, rays: 16 }
+        Self { frames: 10, turn: 1.5, rays: 16, curvature: Curvature::Normals }
     }
 }
 
@@ -66,9 +68,9 @@ impl Sequence {
             let turn = ((before + frame) as f32 * self.turn).to_radians();
             let pose = Pose { shrunk: shrunk as f32, turn };
             let ways = [
-                (plain, Way::Mips { curvature: false }),
-                (folded, Way::Mips { curvature: false }),
-                (folded, Way::Mips { curvature: true }),
+                (plain, Way::Mips(Curvature::None)),
+                (folded, Way::Mips(Curvature::None)),
+                (folded, Way::Mips(self.curvature)),
                 (folded, Way::Rays(self.rays * shrunk)),
             ];
             for (pane, (textures, way)) in panes.iter_mut().zip(ways) {
@@ -86,12 +88,17 @@ impl Drawn {
         self.panes.each_ref().map(|pane| figures(pane, truth))
     }
 
+    /// In terms of the nearest one.
+    fn size(&self) -> String {
+        if self.shrunk == 1 { "1".to_string() } else { format!("1/{}", self.shrunk) }
+    }
+
     /// A line of the table.
     pub fn row(&self) -> String {
         let [plain, folded, curved, truth] = self.figures();
         let three =
             |pick: fn(&Figures) -> f64| format!("{:<8.3}{:<8.3}{:<12.3}", pick(&plain), pick(&folded), pick(&curved));
-        let size = if self.shrunk == 1 { "1".to_string() } else { format!("1/{}", self.shrunk) };
+        let size = self.size();
         let (error, brightness, flicker) = (three(|f| f.error), three(|f| f.brightness), three(|f| f.flicker));
         format!("{size:<5}{:<10}{error}{brightness}{flicker}{:.3}\n", PANE as u32 / self.shrunk, truth.change)
     }
@@ -106,7 +113,7 @@ impl Drawn {
 
     /// Panes side by side, frame by frame.
     pub fn frames(&self, exposure: f32) -> Vec<Frame> {
-        let below = format!("1/{} - {} pixels", self.shrunk, PANE as u32 / self.shrunk);
+        let below = format!("{} - {} pixels", self.size(), PANE as u32 / self.shrunk);
         let frame = |i: usize| {
             let panes: Vec<_> = CAPTIONS.iter().copied().zip(self.panes.iter().map(|pane| &pane[i])).collect();
             Frame::new(&panes, &below, exposure)

@@ -11,10 +11,14 @@ struct Scene {
     place: vec4f, // scale of the part of the picture that is drawn, and its middle, in clip space
     camera: vec4f, // distance of the camera, 1 / tan of half the angle of view, turn of the sphere in radians, repeats of the texture
     decode: vec4f, // 1 if green is up (-1: down), normal scale, 1 if z is rebuilt, 1 if the map is gloss
-    more: vec4f, // 1 with curvature filtering, 1 with an anisotropy map
+    more: vec4f, // curvature filtering: 0, NORMALS or HALF_VECTORS; 1 with an anisotropy map
     f0: vec4f, // reflectance at normal incidence
     lights: array<Light, LIGHTS>,
 }
+
+// How the mesh's curvature is seen: by its normals, or by half vectors, one for each light.
+const NORMALS: f32 = 1.0;
+const HALF_VECTORS: f32 = 2.0;
 
 @group(0) @binding(0) var<uniform> scene: Scene;
 @group(1) @binding(0) var filtered: sampler;
@@ -70,51 +74,83 @@ fn lobe_tensor(texels: Texels) -> vec3f {
     return mf_decode_roughness(roughness);
 }
 
-// The mesh's unit frame: tangent along +u, bitangent along +v, normal.
+fn decoded(texels: Texels) -> MfLobe {
+    var lobe: MfLobe;
+    lobe.normal = lobe_normal(texels.normal);
+    lobe.tensor = lobe_tensor(texels);
+    return lobe;
+}
+
+// The least cosine of the mesh's normal to the camera.
+const LEAST_FACING: f32 = 0.01;
+
+// Unit, towards the camera.
+fn view_of(s: Surface) -> vec3f {
+    return normalize(vec3f(0.0, 0.0, scene.camera.x) - s.position);
+}
+
+// The mesh's unit frame: tangent along +u, bitangent along +v, normal. At the rim, the middle of a pixel may lie beside its
+// triangle, and the normal there would face away.
 fn mesh_frame(s: Surface) -> mat3x3f {
-    let n = normalize(s.normal);
+    let view = view_of(s);
+    let interpolated = normalize(s.normal);
+    let n = normalize(interpolated + max(LEAST_FACING - dot(interpolated, view), 0.0) * view);
     let t = normalize(s.tangent - dot(s.tangent, n) * n);
     return mat3x3f(t, cross(n, t), n);
 }
 
-// Radiance of a lobe towards the camera, all lights together. Lights below the mesh's horizon do not reach it.
-fn radiance(lobe: MfLobe, frame: mat3x3f, position: vec3f) -> vec3f {
-    let view = normalize(vec3f(0.0, 0.0, scene.camera.x) - position) * frame;
-    var sum = vec3f(0.0);
-    for (var i = 0; i < LIGHTS; i++) {
-        let light = scene.lights[i].direction.xyz * frame;
-        if (light.z > 0.0) {
-            let seen = mf_footprint_shade(lobe, view, light, scene.f0.xyz, 1.0, 1.0);
-            sum += scene.lights[i].irradiance.xyz * seen.specular;
-        }
+// Radiance that a lobe sends to the camera from one light. One below the mesh's horizon does not reach it.
+fn lit(lobe: MfLobe, view: vec3f, light: vec3f, i: i32) -> vec3f {
+    if (light.z <= 0.0) {
+        return vec3f(0.0);
     }
-    return sum;
+    return scene.lights[i].irradiance.xyz * mf_footprint_shade(lobe, view, light, scene.f0.xyz, 1.0, 1.0).specular;
 }
 
 @fragment
 fn pane(s: Surface) -> @location(0) vec4f {
     let frame = mesh_frame(s);
-    let dndx = scene.more.x * dpdx(frame[2]);
-    let dndy = scene.more.x * dpdy(frame[2]);
+    // Into the tangent frame: dot products with tangent, bitangent and normal.
+    let dndx = dpdx(frame[2]) * frame;
+    let dndy = dpdy(frame[2]) * frame;
+    let view = view_of(s) * frame;
     var texels: Texels;
     texels.normal = textureSample(normal_map, filtered, s.uv);
     texels.roughness = textureSample(roughness_map, filtered, s.uv);
     texels.anisotropy = textureSample(anisotropy_map, filtered, s.uv);
+    let chain = decoded(texels);
 
     var f: MfFootprint;
-    f.normal = lobe_normal(texels.normal);
-    f.tensor = lobe_tensor(texels);
+    f.normal = chain.normal;
+    f.tensor = chain.tensor;
     f.base = vec3f(0.0);
-    f.dndx = dndx * frame;
-    f.dndy = dndy * frame;
+    f.dndx = dndx;
+    f.dndy = dndy;
     f.dmdx = vec3f(0.0);
     f.dmdy = vec3f(0.0);
     f.sigma2 = MF_SIGMA2_PEAK;
     f.kappa = MF_KAPPA;
     f.texel = 1.0;
-    // Derivatives that are 0 give the chain's lobe back. Half floats end at 65504.
-    let seen = radiance(mf_footprint_normals(f), frame, s.position);
-    return vec4f(min(seen, vec3f(60000.0)), 1.0);
+    let by_normals = mf_footprint_normals(f);
+    var sum = vec3f(0.0);
+    for (var i = 0; i < LIGHTS; i++) {
+        let light = scene.lights[i].direction.xyz * frame;
+        // Outside of branches, for derivatives compare neighbouring pixels.
+        let half_vector = mf_half_vector(light, view);
+        let dhdx = dpdx(half_vector);
+        let dhdy = dpdy(half_vector);
+        var lobe = chain;
+        if (scene.more.x == NORMALS) {
+            lobe = by_normals;
+        } else if (scene.more.x == HALF_VECTORS) {
+            f.dndx = dhdx;
+            f.dndy = dhdy;
+            lobe = mf_footprint_half_vectors(f);
+        }
+        sum += lit(lobe, view, light, i);
+    }
+    // Half floats end at 65504.
+    return vec4f(min(sum, vec3f(60000.0)), 1.0);
 }
 
 @fragment
@@ -123,8 +159,12 @@ fn truth(s: Surface) -> @location(0) vec4f {
     texels.normal = textureSampleLevel(normal_map, filtered, s.uv, 0.0);
     texels.roughness = textureSampleLevel(roughness_map, filtered, s.uv, 0.0);
     texels.anisotropy = textureSampleLevel(anisotropy_map, filtered, s.uv, 0.0);
-    var lobe: MfLobe;
-    lobe.normal = lobe_normal(texels.normal);
-    lobe.tensor = lobe_tensor(texels);
-    return vec4f(radiance(lobe, mesh_frame(s), s.position), 1.0);
+    let lobe = decoded(texels);
+    let frame = mesh_frame(s);
+    let view = view_of(s) * frame;
+    var sum = vec3f(0.0);
+    for (var i = 0; i < LIGHTS; i++) {
+        sum += lit(lobe, view, scene.lights[i].direction.xyz * frame, i);
+    }
+    return vec4f(sum, 1.0);
 }
