@@ -2,7 +2,7 @@
 
 use std::fs;
 use std::process::Command;
-use std::sync::{Mutex, OnceLock, PoisonError};
+use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 
 use wgpu::util::DeviceExt;
 
@@ -60,9 +60,29 @@ impl Gpu {
         }))
         .ok()?;
         let info = adapter.get_info();
-        let wanted = wgpu::DeviceDescriptor { required_limits: adapter.limits(), ..Default::default() };
+        let wanted = wgpu::DeviceDescriptor {
+            // For 16-bit maps, where there is such a thing.
+            required_features: adapter.features() & wgpu::Features::TEXTURE_FORMAT_16BIT_NORM,
+            required_limits: adapter.limits(),
+            ..Default::default()
+        };
         let (device, queue) = pollster::block_on(adapter.request_device(&wanted)).expect("a device of the adapter");
         Some(Self { name: format!("{} ({})", info.name, info.driver_info), device, queue, running: Mutex::new(()) })
+    }
+
+    /// For shaders of other kinds.
+    pub fn device(&self) -> &wgpu::Device {
+        &self.device
+    }
+
+    /// Hold it while a scope of errors is open: one run at a time.
+    pub fn alone(&self) -> MutexGuard<'_, ()> {
+        self.running.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Of [`device`](Self::device).
+    pub fn queue(&self) -> &wgpu::Queue {
+        &self.queue
     }
 
     /// Runs one function of a program once for each of `calls`, whole groups of them. It reads the words at binding 0 and
@@ -76,7 +96,7 @@ impl Gpu {
         words_out: usize,
     ) -> Result<Vec<u32>, String> {
         use wgpu::{BufferUsages, ShaderStages};
-        let _one = self.running.lock().unwrap_or_else(PoisonError::into_inner);
+        let _one = self.alone();
         let scope = self.device.push_error_scope(wgpu::ErrorFilter::Validation);
         let source = match &program.code {
             Code::Wgsl(text) => wgpu::ShaderSource::Wgsl(text.replace("WHICH", &which.to_string()).into()),

@@ -59,7 +59,7 @@ fn filter(sweep: Sweep) -> Sweep {
     sweep.one_of(&[twins::SIGMA2_PEAK, twins::SIGMA2_HALF, twins::SIGMA2_BOX, 0.0])
 }
 
-fn with_kappa(sweep: Sweep) -> Sweep {
+fn with_most(sweep: Sweep) -> Sweep {
     filter(sweep).one_of(&[twins::MOST_ADDED, 0.04, 1.0])
 }
 
@@ -135,9 +135,9 @@ pub fn cases() -> Vec<Case> {
 }
 
 fn wide_cases() -> Vec<Case> {
-    let whole = |components: usize| with_tensor(with_kappa(derivatives(tensor(Sweep::new(2000)), components)).inputs());
+    let whole = |components: usize| with_tensor(with_most(derivatives(tensor(Sweep::new(2000)), components)).inputs());
     let unclamped = || with_tensor(filter(derivatives(tensor(Sweep::new(2000)), 2)).inputs());
-    let normals = || with_kappa(derivatives(Sweep::new(1000).log(1e-6, 1.0), 3)).inputs();
+    let normals = || with_most(derivatives(Sweep::new(1000).log(1e-6, 1.0), 3)).inputs();
     vec![
         Case {
             name: "mf_half_vector_derivative",
@@ -286,7 +286,7 @@ const SCREEN: Bound = Bound { absolute: 3e-7, relative: 1e-6 };
 
 /// All functions of the screen.
 pub fn screen_cases() -> Vec<Case> {
-    let normals = || on_screen(with_kappa(derivatives(Sweep::new(500).log(1e-6, 1.0).sphere(), 3)).inputs(), 1);
+    let normals = || on_screen(with_most(derivatives(Sweep::new(500).log(1e-6, 1.0).sphere(), 3)).inputs(), 1);
     let halves = || derivatives(tensor(Sweep::new(1000)).hemisphere(), 3);
     vec![
         Case {
@@ -318,7 +318,7 @@ pub fn screen_cases() -> Vec<Case> {
         },
         Case {
             name: "mf_aa_screen_half_vector_axes",
-            inputs: on_screen(with_tensor(with_kappa(halves()).inputs()), 3),
+            inputs: on_screen(with_tensor(with_most(halves()).inputs()), 3),
             twin: |a| {
                 let (dx, dy) = differences(a, 8, 3);
                 twins::aa_screen_half_vector_axes(v3(a, 0), dx, dy, a[6], a[7]).to_array().into()
