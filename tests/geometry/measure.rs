@@ -9,12 +9,13 @@ use ndarray::Array2;
 pub struct Figures {
     /// Root mean square of the difference in radiance, over that of the truth.
     pub error: f64,
-    /// Root mean square of the difference in display values, 0 to 1.
+    /// Root mean square of the difference in display values, 0 to 1. What is dim counts here: the tails of a GGX
+    /// lobe, which grow with its width, though a pixel's curvature gives none.
     pub shown: f64,
-    /// As `mipfold::compare` has it: 0 is right.
+    /// Wrong change of radiance from frame to frame over the truth's own change: 0 is right.
     pub flicker: f64,
-    /// Change from frame to frame (root mean square, display values) over the truth's: 1 is right.
-    pub motion: f64,
+    /// The same of display values, as `mipfold::compare` has it.
+    pub shown_flicker: f64,
     /// Mean radiance over the truth's.
     pub energy: f64,
 }
@@ -29,6 +30,9 @@ pub fn exposure(truth: &[Image]) -> f32 {
     let seen = truth.iter().flatten().filter(|v| **v > 0.0).map(|v| f64::from(*v));
     1.0 / root_mean_square(seen).max(1e-12) as f32
 }
+
+/// Radiance that metal reflects of its surroundings besides the lights, times the exposure: mid grey on the display.
+const SURROUNDINGS: f32 = 0.2;
 
 /// Black where a pixel is not judged.
 fn masked(frames: &[Image], mask: &Array2<bool>) -> Vec<Image> {
@@ -46,14 +50,17 @@ pub fn figures(frames: &[Image], truth: &[Image], mask: &Array2<bool>, exposure:
     };
     let sum = |images: &[Image]| images.iter().flatten().map(|v| f64::from(*v)).sum::<f64>();
     let black: Vec<Image> = truth.iter().map(|t| Image::zeros(t.dim())).collect();
-    let shown = |images: &[Image]| images.iter().map(|image| display(image, exposure)).collect::<Vec<_>>();
+    let shown = |images: &[Image]| {
+        images.iter().map(|image| display(&(image + SURROUNDINGS / exposure), exposure)).collect::<Vec<_>>()
+    };
     let (seen, right) = (shown(&frames), shown(&truth));
-    let change = |images: &[Image]| off(&images[1..], &images[..images.len() - 1]);
+    let steps = |images: &[Image]| images.windows(2).map(|pair| &pair[1] - &pair[0]).collect::<Vec<_>>();
+    let right_steps = steps(&truth);
     Figures {
         error: off(&frames, &truth) / off(&truth, &black),
         shown: off(&seen, &right) / share,
-        flicker: flicker(&seen, &right),
-        motion: change(&seen) / change(&right),
+        flicker: off(&steps(&frames), &right_steps) / off(&right_steps, &black[1..]),
+        shown_flicker: flicker(&seen, &right),
         energy: sum(&frames) / sum(&truth),
     }
 }

@@ -3,7 +3,7 @@
 use glam::{DVec2, DVec3, Vec3};
 use mipfold::kernels::twins::geometric_aa::*;
 use mipfold::ndf::{Lobe, RoughnessTensor};
-use mipfold::render::{Fragment, Light, LobeMap};
+use mipfold::render::{Fragment, Light};
 
 use super::shapes::Object;
 
@@ -66,10 +66,12 @@ impl<'a> Known<'a> {
         self.dn.map(|dn| DVec2::new(dn.dot(self.axes[0]), dn.dot(self.axes[1])))
     }
 
-    /// What a baked map has for the pixel.
-    pub fn baked(&self, map: &LobeMap) -> DVec3 {
-        let f = self.fragment;
-        let r = map.filtered(f.point.uv, [f.right.uv, f.up.uv], 16).roughness;
+    /// What the baked map has for the pixel: one trilinear probe, or up to 16 along the footprint.
+    pub fn baked(&self, probes: bool) -> DVec3 {
+        let (p, steps) = (&self.fragment.point, [self.fragment.right.uv, self.fragment.up.uv]);
+        let map = self.object.baked(p.triangle);
+        let found = if probes { map.anisotropic(p.uv, steps, 16) } else { map.trilinear(p.uv, steps) };
+        let r = found.roughness;
         DVec3::new(r.xx.into(), r.xy.into(), r.yy.into())
     }
 
@@ -145,7 +147,12 @@ pub const METHODS: &[Method] = &[
     }),
     Method {
         name: "baked",
-        tensor: |k| add_kernel_projected(k.round(), k.baked(k.object.baked.as_ref().expect("baked"))),
+        tensor: |k| add_kernel_projected(k.round(), k.baked(false)),
+        needs_uvs: true,
+    },
+    Method {
+        name: "baked, anisotropic look-ups",
+        tensor: |k| add_kernel_projected(k.round(), k.baked(true)),
         needs_uvs: true,
     },
     method("vertex curvature", |k| add_kernel_projected(k.round(), k.vertices())),

@@ -1,10 +1,10 @@
 //! The highlight of each light alone: how bright, how wide, how steady.
 
-use glam::Vec2;
+use glam::{DVec2, Vec2};
 use mipfold::render::{Image, Light};
 use ndarray::Array2;
 
-use super::methods::{Known, Method, lobe};
+use super::methods::{Known, METHODS, lobe};
 use super::sequence::Sequence;
 use super::shapes::Object;
 
@@ -13,7 +13,7 @@ use super::shapes::Object;
 pub struct Highlight {
     /// Brightest pixel over the truth's, mean over frames.
     pub peak: f64,
-    /// Pixels above half the truth's brightest over those of the truth, all frames together.
+    /// Deviation of the highlight's light about its middle over the truth's.
     pub width: f64,
     /// Deviation of the brightest pixel from frame to frame over its mean; beside it, that of the truth.
     pub unsteady: f64,
@@ -30,8 +30,23 @@ fn peak(image: &Image, mask: &Array2<bool>) -> f64 {
     mask.indexed_iter().filter(|(_, m)| **m).map(|((y, x), _)| image[(y, x, 1)]).fold(0.0, f32::max).into()
 }
 
-fn above(image: &Image, mask: &Array2<bool>, level: f64) -> usize {
-    mask.indexed_iter().filter(|((y, x), m)| **m && f64::from(image[(*y, *x, 1)]) > level).count()
+/// How far from a pixel light counts as the highlight's: the lobe's tails would have no deviation.
+const REACH: f64 = 4.0;
+
+/// Deviation (pixels) of the light about its middle, within reach of the truth's brightest pixel.
+fn width(image: &Image, truth: &Image) -> f64 {
+    let (rows, columns, _) = truth.dim();
+    let places = || (0..rows).flat_map(|y| (0..columns).map(move |x| (y, x)));
+    let (y0, x0) = places().max_by(|a, b| truth[(a.0, a.1, 1)].total_cmp(&truth[(b.0, b.1, 1)])).unwrap();
+    let (mut light, mut first, mut second) = (0.0, DVec2::ZERO, 0.0);
+    for (y, x) in places() {
+        let d = DVec2::new(x as f64 - x0 as f64, y as f64 - y0 as f64);
+        if d.length() <= REACH {
+            let radiance = f64::from(image[(y, x, 1)]);
+            (light, first, second) = (light + radiance, first + radiance * d, second + radiance * d.length_squared());
+        }
+    }
+    (second / light - (first / light).length_squared()).sqrt()
 }
 
 /// Mean, and deviation over it.
@@ -42,16 +57,17 @@ fn spread(values: &[f64]) -> (f64, f64) {
 }
 
 /// For one light of an object: by method.
-pub fn highlights(object: &Object, light: Light, alpha: f64, methods: &[Method]) -> Vec<Highlight> {
+pub fn highlights(object: &Object, light: Light, alpha: f64) -> Vec<Highlight> {
     let alone = object.under(vec![light]);
     let sequence = Sequence::metal(&alone, &places(), &[alpha]);
     let (truth, mask) = (&sequence.truth[0], &sequence.mask);
     let peaks = |images: &[Image]| images.iter().map(|image| peak(image, mask)).collect::<Vec<_>>();
-    let wide = |images: &[Image], peaks: &[f64]| -> usize {
-        images.iter().zip(peaks).map(|(image, peak)| above(image, mask, 0.5 * peak)).sum()
+    let widths = |images: &[Image]| {
+        let ratio = |(image, truth): (&Image, &Image)| width(image, truth) / width(truth, truth);
+        images.iter().zip(truth).map(ratio).sum::<f64>() / truth.len() as f64
     };
     let right = peaks(truth);
-    methods
+    METHODS
         .iter()
         .map(|method| {
             let frames = sequence.draw(&|f, light| lobe((method.tensor)(&Known::new(&alone, f, light, alpha))));
@@ -59,7 +75,7 @@ pub fn highlights(object: &Object, light: Light, alpha: f64, methods: &[Method])
             let ratios: Vec<f64> = found.iter().zip(&right).map(|(a, b)| a / b).collect();
             Highlight {
                 peak: spread(&ratios).0,
-                width: wide(&frames, &right) as f64 / wide(truth, &right) as f64,
+                width: widths(&frames),
                 unsteady: spread(&found).1,
                 truth_unsteady: spread(&right).1,
             }

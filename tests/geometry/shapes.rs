@@ -20,8 +20,8 @@ pub struct Object {
     pub lights: Vec<Light>,
     /// One a vertex.
     pub curvature: Vec<Curvature>,
-    /// Baked tensors as a mip chain, for meshes with texture coordinates.
-    pub baked: Option<Arc<LobeMap>>,
+    /// Baked tensors as mip chains, one for each material: textures of two lie on each other.
+    baked: Arc<Vec<Option<LobeMap>>>,
 }
 
 /// Silver.
@@ -38,8 +38,8 @@ const LIGHTS: [([f32; 3], f32); 5] = [
 ];
 
 impl Object {
-    /// Seen from a direction (in the mesh's space, `up` included), so that it fills the picture.
-    fn new(name: &'static str, mesh: Mesh, from: Vec3, up: Vec3, pixels: usize) -> Self {
+    /// Seen from a direction (in the mesh's space, as `up` is), so that it fills the picture; baked into a map of a size.
+    fn new(name: &'static str, mesh: Mesh, map: Size, from: Vec3, up: Vec3, pixels: usize) -> Self {
         let low = mesh.positions.iter().fold(Vec3::MAX, |a, b| a.min(*b));
         let high = mesh.positions.iter().fold(Vec3::MIN, |a, b| a.max(*b));
         let target = 0.5 * (low + high);
@@ -54,7 +54,8 @@ impl Object {
             irradiance: Vec3::splat(irradiance),
         };
         let curvature = vertex_curvature(&mesh);
-        let baked = mesh.uvs.is_some().then(|| Arc::new(baked(&mesh, 256)));
+        let maps = (0..mesh.parts.len()).map(|part| mesh.parts[part].has_uvs.then(|| baked(&mesh.part(part), map)));
+        let baked = Arc::new(maps.collect());
         Self { name, mesh, view, pixels, lights: LIGHTS.map(light).to_vec(), curvature, baked }
     }
 
@@ -63,14 +64,25 @@ impl Object {
         Self { lights, mesh: self.mesh.clone(), curvature: self.curvature.clone(), baked: self.baked.clone(), ..*self }
     }
 
+    /// Whether every part has a baked map.
+    pub fn is_baked(&self) -> bool {
+        self.baked.iter().all(Option::is_some)
+    }
+
+    /// The baked map of a triangle.
+    pub fn baked(&self, triangle: usize) -> &LobeMap {
+        let part = self.mesh.parts.iter().position(|part| part.triangles.contains(&triangle)).unwrap();
+        self.baked[part].as_ref().expect("baked")
+    }
+
     pub fn scene(&self) -> MeshScene<'_> {
         MeshScene { mesh: &self.mesh, view: self.view, lights: &self.lights, f0: F0 }
     }
 }
 
 /// The chain of what curvature adds.
-fn baked(mesh: &Mesh, side: usize) -> LobeMap {
-    let baked = bake(mesh, Size::new(side, side), &BakeOptions::default(), &|_| ()).unwrap();
+fn baked(mesh: &Mesh, size: Size) -> LobeMap {
+    let baked = bake(mesh, size, &BakeOptions::default(), &|_| ()).unwrap();
     let levels: Vec<Lobes> = baked
         .levels
         .iter()
@@ -128,13 +140,15 @@ fn grid(shape: Shape, [wide, high]: [usize; 2]) -> Mesh {
     .unwrap()
 }
 
-/// Shapes whose facets are much smaller than a pixel, with exact normals.
+/// Shapes whose facets are much smaller than a pixel, with exact normals. Texels of their maps are about square.
 pub fn solids() -> Vec<Object> {
     let aslant = Vec3::new(0.35, 1.0, 0.2).normalize();
+    let (sphere, cylinder, torus) =
+        (grid(sphere, [384, 192]), grid(cylinder, [256, 64]), grid(torus, [384, 128]));
     vec![
-        Object::new("sphere", grid(sphere, [384, 192]), Vec3::new(0.2, 0.3, 1.0), Vec3::Y, 24),
-        Object::new("cylinder", grid(cylinder, [256, 64]), Vec3::new(-0.4, 0.05, 1.0), aslant, 48),
-        Object::new("torus", grid(torus, [384, 128]), Vec3::new(0.3, 0.9, 1.0), aslant, 40),
+        Object::new("sphere", sphere, Size::new(256, 128), Vec3::new(0.2, 0.3, 1.0), Vec3::Y, 24),
+        Object::new("cylinder", cylinder, Size::new(256, 256), Vec3::new(-0.4, 0.05, 1.0), aslant, 48),
+        Object::new("torus", torus, Size::new(512, 128), Vec3::new(0.3, 0.9, 1.0), aslant, 40),
     ]
 }
 
@@ -151,8 +165,8 @@ fn folder() -> Option<PathBuf> {
     None
 }
 
-/// Real meshes, if they are there.
-pub fn meshes() -> Vec<Object> {
+/// Real meshes, if they are there; those of `names`, or all.
+pub fn meshes(names: &[&str]) -> Vec<Object> {
     let Some(folder) = folder() else { return Vec::new() };
     let files = [
         ("shader ball", "shader_ball/shader_ball.gltf", Vec3::new(0.3, 0.3, 1.0), Vec3::Y, 64),
@@ -162,9 +176,10 @@ pub fn meshes() -> Vec<Object> {
     ];
     files
         .into_iter()
+        .filter(|file| names.is_empty() || names.contains(&file.0))
         .map(|(name, file, from, up, pixels)| {
             let mesh = load(&folder.join(file), &LoadOptions::default()).unwrap();
-            Object::new(name, mesh, from, up, pixels)
+            Object::new(name, mesh, Size::new(512, 512), from, up, pixels)
         })
         .collect()
 }

@@ -28,8 +28,8 @@ const TAPS: usize = 16;
 
 impl Bumps {
     /// A sample's normals, `side` texels wide, over metal of one width.
-    pub fn new(sample: &str, side: usize, alpha: f64, repeats: Vec2) -> Self {
-        let material = material(sample, side, alpha);
+    pub fn new(sample: &str, side: usize, alpha: f64, repeats: Vec2, scale: f32) -> Self {
+        let material = material(sample, side, alpha, scale);
         let levels = |fold: &str| {
             let fold = FOLDS.iter().find(|f| f.name == fold).unwrap();
             let options = Options { fold, ..Options::default() };
@@ -44,12 +44,13 @@ impl Bumps {
     }
 }
 
-fn material(sample: &str, side: usize, alpha: f64) -> Material {
+fn material(sample: &str, side: usize, alpha: f64, scale: f32) -> Material {
     let maps = (by_name(sample).unwrap().make)(side, 1);
     let inputs = Inputs {
         name: sample.into(),
         normal: Some("normal.png".into()),
         roughness: RoughnessInput::Constant(Alpha(alpha as f32).perceptual()),
+        normal_scale: Some(scale),
         ..Inputs::default()
     };
     load_with(&inputs, &|path| {
@@ -81,13 +82,13 @@ impl<'a> Bumpy<'a> {
     }
 
     fn looked_up(&self, map: &LobeMap) -> Lobe {
-        map.filtered(self.known.fragment.point.uv * self.bumps.repeats, self.steps(), TAPS)
+        map.anisotropic(self.known.fragment.point.uv * self.bumps.repeats, self.steps(), TAPS)
     }
 
     /// Derivatives of the lobe's normal, over a pixel.
     fn dm(&self, map: &LobeMap) -> [DVec3; 2] {
         let (uv, steps) = (self.known.fragment.point.uv * self.bumps.repeats, self.steps());
-        let at = |uv: Vec2| map.filtered(uv, steps, TAPS).normal.as_dvec3();
+        let at = |uv: Vec2| map.anisotropic(uv, steps, TAPS).normal.as_dvec3();
         let quad = |step: Vec2| at(uv + 0.5 * step) - at(uv - 0.5 * step);
         steps.map(quad)
     }
@@ -142,14 +143,10 @@ pub const WAYS: &[Way] = &[
     Way { name: "folded", lobe: |b| b.looked_up(&b.bumps.folded) },
     Way { name: "plain + curvature", lobe: |b| b.with_normals(&b.bumps.plain, NONE, SIGMA2_PEAK) },
     Way { name: "folded + curvature", lobe: |b| b.with_normals(&b.bumps.folded, NONE, SIGMA2_PEAK) },
-    Way { name: "the same, box", lobe: |b| b.with_normals(&b.bumps.folded, NONE, SIGMA2_BOX) },
+    Way { name: "folded + curvature, box", lobe: |b| b.with_normals(&b.bumps.folded, NONE, SIGMA2_BOX) },
     Way {
         name: "folded + curvature, dm",
         lobe: |b| b.with_normals(&b.bumps.folded, b.dm(&b.bumps.folded), SIGMA2_PEAK),
-    },
-    Way {
-        name: "the same, box",
-        lobe: |b| b.with_normals(&b.bumps.folded, b.dm(&b.bumps.folded), SIGMA2_BOX),
     },
     Way {
         name: "folded + half vectors",
@@ -159,20 +156,20 @@ pub const WAYS: &[Way] = &[
             lobe(found.normal, found.tensor)
         },
     },
-    Way {
-        name: "folded + baked",
-        lobe: |b| b.with_mesh(&b.bumps.folded, b.known.baked(b.known.object.baked.as_ref().expect("baked"))),
-    },
+    Way { name: "folded + baked", lobe: |b| b.with_mesh(&b.bumps.folded, b.known.baked(false)) },
     Way { name: "folded + vertex curvature", lobe: |b| b.with_mesh(&b.bumps.folded, b.known.vertices()) },
 ];
 
-/// Sample, repeats over the object's texture coordinates.
+/// Share of the sample's own height: as much spread as the mesh's curvature has, so that both matter.
+pub const SCALE: f32 = 0.2;
+
+/// Sample, and repeats over the object's texture coordinates that put 5 to 15 texels under a pixel.
 pub fn on(object: &Object) -> Option<(&'static str, Vec2)> {
     match object.name {
-        "sphere" => Some(("hammered-metal", Vec2::new(4.0, 2.0))),
-        "cylinder" => Some(("woven-cloth", Vec2::new(2.0, 2.0))),
-        "torus" => Some(("brushed-metal", Vec2::new(6.0, 2.0))),
-        "spot" => Some(("hammered-metal", Vec2::splat(2.0))),
+        "sphere" => Some(("hammered-metal", Vec2::new(8.0, 4.0))),
+        "cylinder" => Some(("woven-cloth", Vec2::new(5.0, 6.0))),
+        "torus" => Some(("hammered-metal", Vec2::new(18.0, 6.0))),
+        "spot" => Some(("hammered-metal", Vec2::splat(6.0))),
         _ => None,
     }
 }

@@ -169,8 +169,13 @@ impl LobeMap {
         Self::first(self.0.base(uv))
     }
 
+    /// One trilinear probe, at the level whose texels have the area of a pixel over which texture coordinates change by `steps`.
+    pub fn trilinear(&self, uv: Vec2, steps: [Vec2; 2]) -> Lobe {
+        Self::first(self.0.mipped(uv, steps[0].perp_dot(steps[1]).abs().sqrt()))
+    }
+
     /// Up to `taps` trilinear probes along the longer axis of a pixel over which texture coordinates change by `steps`.
-    pub fn filtered(&self, uv: Vec2, steps: [Vec2; 2], taps: usize) -> Lobe {
+    pub fn anisotropic(&self, uv: Vec2, steps: [Vec2; 2], taps: usize) -> Lobe {
         Self::first(self.0.anisotropic(uv, steps, taps))
     }
 

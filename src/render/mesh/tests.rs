@@ -231,6 +231,17 @@ fn maps_are_read_in_the_frame() {
     let bent = Mesh { normals: vec![tilt; 4], ..mesh.clone() };
     let smooth = scene(&bent, &LIGHT).truth(6, Vec2::ZERO, 2, &[&|_| Lobe::isotropic(Vec3::Z, Alpha(0.3))]);
     assert!(bumpy.images[0].iter().zip(&smooth.images[0]).all(|(a, b)| (a - b).abs() < 1e-3 * b.max(0.1)));
-    let filtered = map.filtered(Vec2::splat(0.3), [Vec2::X, Vec2::Y], 8);
-    assert!((filtered.normal - tilt).length() < 1e-5);
+    // Texels of level 1 are half as wide as the map; a pixel of twice a half by a half of that has their area.
+    let widths = [0.1, 0.2, 0.4];
+    let level = |k: usize| {
+        Lobes::from_fn(Form::Isotropic, Size::new(4 >> k, 4 >> k), |_, _| Lobe::isotropic(Vec3::Z, Alpha(widths[k])))
+    };
+    let map = LobeMap::new(&[level(0), level(1), level(2)]);
+    let (uv, steps) = (Vec2::splat(0.3), [Vec2::new(1.0, 0.0), Vec2::new(0.3, 0.25)]);
+    let alpha2 = |lobe: Lobe| lobe.roughness.xx;
+    assert!((alpha2(map.base(uv)) - 0.01).abs() < 1e-6);
+    assert!((alpha2(map.trilinear(uv, steps)) - 0.04).abs() < 1e-6);
+    // Probes along the longer axis need a finer level.
+    assert!(alpha2(map.anisotropic(uv, steps, 8)) < 0.02);
+    assert!((alpha2(map.anisotropic(uv, steps, 1)) - 0.16).abs() < 1e-6);
 }
