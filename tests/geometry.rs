@@ -142,9 +142,8 @@ fn folds_and_curvature_are_best_together() {
 #[expect(clippy::print_stdout)]
 fn table_of_methods() {
     let groups = [shapes::solids(), shapes::meshes(&[])];
-    let found = groups.each_ref().map(|objects| {
-        objects.iter().map(|object| measured(object, 8, &ALPHAS)).collect::<Vec<_>>()
-    });
+    let found =
+        groups.each_ref().map(|objects| objects.iter().map(|object| measured(object, 8, &ALPHAS)).collect::<Vec<_>>());
     for (object, rows) in groups.iter().flatten().zip(found.iter().flatten()) {
         println!("{}, {} pixels", object.name, object.pixels);
         for (alpha, row) in ALPHAS.iter().zip(rows) {

@@ -13,6 +13,7 @@ mod evidence;
 mod font;
 mod geometry;
 mod heat;
+mod mesh;
 mod motion;
 mod picture;
 mod scene;
@@ -23,6 +24,7 @@ mod texture;
 
 pub use environment::Environment;
 pub use heat::heat;
+pub use mesh::{Fragment, LobeMap, MeshScene, MeshView, PointLobe, Step, SurfacePoint, Truth};
 pub use motion::{Motion, sequence};
 pub use picture::{Image, Sampling, display, render, tonemap};
 pub use scene::{Light, Scene, Shape};

@@ -118,17 +118,17 @@ pub const METHODS: &[Method] = &[
     }),
     method("2017, half vectors, axes", |k| {
         let [a, b] = k.half_vectors();
-        aa_2019_axes(k.round(), a, b, SIGMA2_HALF, KAPPA)
+        aa_2019_axes(k.round(), a, b, SIGMA2_HALF, MOST_ADDED)
     }),
     method("2019, normals, one width", |k| {
-        isotropic(aa_2019_normals(k.alpha2, k.dn[0], k.dn[1], SIGMA2_HALF, KAPPA))
+        isotropic(aa_2019_normals(k.alpha2, k.dn[0], k.dn[1], SIGMA2_HALF, MOST_ADDED))
     }),
     method("2019, half vectors", |k| {
         let [a, b] = k.half_vectors();
         aa_2019(k.round(), a, b, SIGMA2_HALF)
     }),
     method("2021, normals, one width", |k| {
-        isotropic(aa_2021_normals(k.alpha2, k.dn[0], k.dn[1], SIGMA2_PEAK, KAPPA))
+        isotropic(aa_2021_normals(k.alpha2, k.dn[0], k.dn[1], SIGMA2_PEAK, MOST_ADDED))
     }),
     method("2021, normals, two widths", |k| {
         let [a, b] = k.normals();
@@ -139,17 +139,13 @@ pub const METHODS: &[Method] = &[
         aa_2021(k.round(), a, b, SIGMA2_PEAK)
     }),
     method("box, normals, one width", |k| {
-        isotropic(aa_2021_normals(k.alpha2, k.dn[0], k.dn[1], SIGMA2_BOX, KAPPA))
+        isotropic(aa_2021_normals(k.alpha2, k.dn[0], k.dn[1], SIGMA2_BOX, MOST_ADDED))
     }),
     method("box, half vectors", |k| {
         let [a, b] = k.half_vectors();
         aa_2021(k.round(), a, b, SIGMA2_BOX)
     }),
-    Method {
-        name: "baked",
-        tensor: |k| add_kernel_projected(k.round(), k.baked(false)),
-        needs_uvs: true,
-    },
+    Method { name: "baked", tensor: |k| add_kernel_projected(k.round(), k.baked(false)), needs_uvs: true },
     Method {
         name: "baked, anisotropic look-ups",
         tensor: |k| add_kernel_projected(k.round(), k.baked(true)),

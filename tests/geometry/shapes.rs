@@ -54,7 +54,8 @@ impl Object {
             irradiance: Vec3::splat(irradiance),
         };
         let curvature = vertex_curvature(&mesh);
-        let maps = (0..mesh.parts.len()).map(|part| mesh.parts[part].has_uvs.then(|| baked(&mesh.part(part), map)));
+        let maps =
+            (0..mesh.parts.len()).map(|part| mesh.parts[part].has_uvs.then(|| baked(&mesh.select(&[part]), map)));
         let baked = Arc::new(maps.collect());
         Self { name, mesh, view, pixels, lights: LIGHTS.map(light).to_vec(), curvature, baked }
     }
@@ -143,8 +144,7 @@ fn grid(shape: Shape, [wide, high]: [usize; 2]) -> Mesh {
 /// Shapes whose facets are much smaller than a pixel, with exact normals. Texels of their maps are about square.
 pub fn solids() -> Vec<Object> {
     let aslant = Vec3::new(0.35, 1.0, 0.2).normalize();
-    let (sphere, cylinder, torus) =
-        (grid(sphere, [384, 192]), grid(cylinder, [256, 64]), grid(torus, [384, 128]));
+    let (sphere, cylinder, torus) = (grid(sphere, [384, 192]), grid(cylinder, [256, 64]), grid(torus, [384, 128]));
     vec![
         Object::new("sphere", sphere, Size::new(256, 128), Vec3::new(0.2, 0.3, 1.0), Vec3::Y, 24),
         Object::new("cylinder", cylinder, Size::new(256, 256), Vec3::new(-0.4, 0.05, 1.0), aslant, 48),

@@ -109,7 +109,7 @@ impl<'a> Bumpy<'a> {
             dmdx: dm[0],
             dmdy: dm[1],
             sigma2,
-            kappa: KAPPA,
+            most: MOST_ADDED,
             texel: 1.0,
         }
     }

@@ -70,7 +70,8 @@ impl MeshScene<'_> {
         fragments: &Array2<Option<Fragment>>,
         lobe: &(dyn Fn(&Fragment, &Light) -> Lobe + Sync),
     ) -> Image {
-        let lights: Vec<_> = self.lights.iter().map(|light| (light, self.lighting(std::slice::from_ref(light)))).collect();
+        let lights: Vec<_> =
+            self.lights.iter().map(|light| (light, self.lighting(std::slice::from_ref(light)))).collect();
         let pixel = |fragment: &Option<Fragment>| -> Vec3 {
             let Some(f) = fragment else { return Vec3::ZERO };
             let p = &f.point;
@@ -97,22 +98,24 @@ impl MeshScene<'_> {
         let rows = (0..pixels).into_par_iter().map(|row| {
             let band = Band::new(&triangles, screen, row * per_side..(row + 1) * per_side);
             let cell = |column| Cell { band: &band, column: column * per_side, row: row * per_side, per_side };
-            (0..pixels).map(|column| {
-                let cell = cell(column);
-                let mut sums = vec![Vec3::ZERO; lobes.len()];
-                let mut hits = 0;
-                for (x, y, place) in cell.hits() {
-                    let ray = screen.ray(x as f64, y as f64);
-                    let Some(p) = attributes.at(&triangles[place], ray) else { continue };
-                    hits += 1;
-                    for (sum, lobe) in sums.iter_mut().zip(lobes) {
-                        *sum += lighting.radiance(&lobe(&p), p.position, p.normal, p.frame, p.view);
+            (0..pixels)
+                .map(|column| {
+                    let cell = cell(column);
+                    let mut sums = vec![Vec3::ZERO; lobes.len()];
+                    let mut hits = 0;
+                    for (x, y, place) in cell.hits() {
+                        let ray = screen.ray(x as f64, y as f64);
+                        let Some(p) = attributes.at(&triangles[place], ray) else { continue };
+                        hits += 1;
+                        for (sum, lobe) in sums.iter_mut().zip(lobes) {
+                            *sum += lighting.radiance(&lobe(&p), p.position, p.normal, p.frame, p.view);
+                        }
                     }
-                }
-                let count = (per_side * per_side) as f32;
-                let whole = hits == per_side * per_side && cell.is_smooth(|depth| camera.pixel(pixels, depth));
-                (sums.iter().map(|sum| *sum / count).collect::<Vec<_>>(), hits as f32 / count, whole)
-            }).collect::<Vec<_>>()
+                    let count = (per_side * per_side) as f32;
+                    let whole = hits == per_side * per_side && cell.is_smooth(|depth| camera.pixel(pixels, depth));
+                    (sums.iter().map(|sum| *sum / count).collect::<Vec<_>>(), hits as f32 / count, whole)
+                })
+                .collect::<Vec<_>>()
         });
         let rows: Vec<_> = rows.collect();
         let image = |k: usize| Image::from_shape_fn((pixels, pixels, 3), |(y, x, c)| rows[y][x].0[k][c]);

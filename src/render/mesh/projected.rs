@@ -44,7 +44,7 @@ impl Camera {
     }
 
     /// Towards the eye.
-    pub fn to_eye(&self, p: DVec3) -> DVec3 {
+    pub fn to_eye(self, p: DVec3) -> DVec3 {
         (self.eye - p).normalize_or(-self.ahead)
     }
 
@@ -79,11 +79,7 @@ impl Screen {
     pub fn ray(&self, column: f64, row: f64) -> DVec3 {
         let scale = 2.0 * self.half_view / self.samples as f64;
         let middle = 0.5 * self.samples as f64;
-        DVec3::new(
-            scale * (column + 0.5 - self.offset.x - middle),
-            scale * (middle - row - 0.5 - self.offset.y),
-            1.0,
-        )
+        DVec3::new(scale * (column + 0.5 - self.offset.x - middle), scale * (middle - row - 0.5 - self.offset.y), 1.0)
     }
 
     /// Column and row, with parts, of a point in the camera's axes.

@@ -79,8 +79,7 @@ fn quads_go_on_beside_the_triangle() {
     };
     let draw = |scale: f32| {
         let uvs = corners(scale).iter().map(|p| p.truncate()).collect();
-        let mut mesh =
-            Mesh::new(corners(scale), Some(normals(scale)), Some(uvs), vec![[0, 1, 2]], 60.0).unwrap();
+        let mut mesh = Mesh::new(corners(scale), Some(normals(scale)), Some(uvs), vec![[0, 1, 2]], 60.0).unwrap();
         mesh.normals = normals(scale);
         scene(&mesh, &[]).fragments(20, Vec2::ZERO)
     };
@@ -203,7 +202,9 @@ fn frames_follow_the_texture() {
     assert!(near(frame.tangent, Vec3::X) && near(frame.bitangent, Vec3::Y));
     let mesh = Mesh { uvs: None, ..floor() };
     let point = scene(&mesh, &[]).fragments(4, Vec2::ZERO)[(1, 2)].unwrap().point;
-    assert!(near(point.frame.tangent.cross(point.frame.bitangent), point.normal) && point.frame.tangent.is_normalized());
+    assert!(
+        near(point.frame.tangent.cross(point.frame.bitangent), point.normal) && point.frame.tangent.is_normalized()
+    );
 }
 
 /// Nothing is drawn behind the eye, of no area, or edge-on; and it is no error.
@@ -214,10 +215,13 @@ fn what_cannot_be_seen_is_not_drawn() {
     assert!(empty(&quad(square(1.0, 0.0).map(|p| Vec3::new(0.0, p.y, p.x)), None)));
     assert!(empty(&quad([Vec3::ZERO; 4], Some([Vec3::Z; 4]))));
     assert!(empty(&quad(square(1.0, 0.0).map(|p| p + 9.0 * Vec3::X), None)));
-    let truth = scene(&quad(square(1.0, 5.0), None), &LIGHT).truth(4, Vec2::ZERO, 2, &[&|_| {
-        Lobe::isotropic(Vec3::Z, Alpha(0.5))
-    }]);
-    assert!(truth.images[0].iter().all(|v| *v == 0.0) && truth.coverage == Array2::zeros((4, 4)));
+    let truth = scene(&quad(square(1.0, 5.0), None), &LIGHT).truth(
+        4,
+        Vec2::ZERO,
+        2,
+        &[&|_| Lobe::isotropic(Vec3::Z, Alpha(0.5))],
+    );
+    assert!(truth.images[0].iter().all(|v| *v == 0.0) && truth.coverage == Array2::<f32>::zeros((4, 4)));
 }
 
 /// A map's lobes turn with the frame: the highlight of a bent normal is where that of a bent surface is.
