@@ -5,12 +5,12 @@ mod common;
 use std::path::Path;
 
 use common::desk::Desk;
-use common::mesh::{glb, obj};
+use common::mesh::{glb, obj, sheared};
 use common::{bump, channel, encode8, entry, exr_levels, levels, manifest, mipfold, names, plane, png8, strings};
-use glam::{DVec2, DVec3};
+use glam::DVec3;
 use mipfold::curvature::{LoadOptions, load, vertex_curvature};
-use mipfold::kernels::twins::footprint::{bent_components, carried_derivative};
-use mipfold::kernels::twins::geometric_aa::{add_kernel_projected, add_kernel_projected_mean, kernel};
+use mipfold::kernels::twins::footprint::carried_kernel;
+use mipfold::kernels::twins::geometric_aa::{add_kernel_projected, add_kernel_projected_mean};
 use mipfold::kernels::twins::moments::decode_tensor_root;
 use mipfold::material::read_lobes;
 use mipfold::ndf::{Lobe, Lobes};
@@ -82,6 +82,13 @@ fn a_cylinder_without_maps_widens_around_itself() {
             assert!((xx / added - 1.0).abs() < 1e-3 && yy.abs() < 1e-6, "level {k}: {xx} {yy}");
         }
     }
+    // The judge knows only the texture, and says so.
+    let judged = mipfold().args(desk.args("compare @out --texels 1 --directions 4 --levels 2")).output().unwrap();
+    let [said, warned] = [judged.stdout, judged.stderr].map(|text| String::from_utf8(text).unwrap());
+    assert!(
+        said.contains("Nothing can be said: the curvature of") && warned.contains("pipe.obj is in this chain"),
+        "{said}{warned}"
+    );
     // One width takes the mean of both axes, and is the roughness.
     bake(&desk, "@pipe.obj -o @round --size 128x32 --roughness 0.2");
     let manifest = common::manifest(&desk.at("round"));
@@ -120,9 +127,8 @@ fn maps_of_a_glb_are_folded_together_with_its_mesh() {
             for (old, new) in pairs(before, after) {
                 assert!((old.normal - new.normal).length() < 1e-5, "level {k}");
                 let n = old.normal.as_dvec3();
-                let turn = bent_components(n, carried_derivative(n, DVec3::X));
                 let added = if k == 0 { 0.0 } else { around(before.size().width) };
-                let mesh = kernel(added.sqrt() * turn, DVec2::ZERO, 1.0) * 0.5;
+                let mesh = carried_kernel(n, DVec3::new(added, 0.0, 0.0));
                 let [r, found] = [old, new].map(|lobe| {
                     let r = lobe.roughness;
                     DVec3::new(r.xx.into(), r.xy.into(), r.yy.into())
@@ -173,14 +179,94 @@ fn factors_groups_and_parts_of_a_glb() {
     };
     let [whole, half] = ["out/a", "out/half"].map(|folder| green(folder, "roughness"));
     assert!(whole.iter().zip(&half).all(|(a, b)| (0.5 * a - b).abs() < 0.003));
-    assert!(strings(&manifest(&desk.at("out/half"))["notes"]).iter().any(|n| n.contains("roughnessFactor 0.5")));
+    assert!(strings(&manifest(&desk.at("out/half"))["notes"]).iter().any(|n| n.contains("roughness factor 0.5")));
     assert!(green("out/plain", "roughness").iter().all(|r| (r - 0.25).abs() < 0.003));
     // One part by name goes to the folder itself; a width that is given stands for the file's.
     bake(&desk, "@m.glb -o @one --size 16 --part plain --roughness 0.75");
     assert!(green("one", "roughness").iter().all(|r| (r - 0.75).abs() < 0.003));
     refuses(&desk, "@m.glb -o @no --part plain --part half --name x", "2 materials");
-    refuses(&desk, "@m.glb -o @no --part nobody", "one of a, b, half, plain, moved, split");
+    refuses(&desk, "@m.glb -o @no --part nobody", "one of a, b, half, moved, plain, split");
     refuses(&desk, "@m.glb -o @no --part plain --part half --normal @n.png", "name it with --part");
+    refuses(&desk, "@m.glb -o @no --part plain --normal-y directx", "a model says how its own maps are read");
+    // Maps that are given stand for those of the file, also where these cannot be followed.
+    bake(&desk, "@m.glb -o @given --part moved --normal @n.png --roughness 0.5");
+    assert!(green("given", "roughness").iter().all(|r| (r - 0.5).abs() < 0.003));
+    // Of two materials one cannot be read: the other has a folder of its own all the same.
+    let (code, _) = desk.run("bake-curvature @m.glb -o @two --part moved --part plain --size 16");
+    assert_eq!((code, names(&desk.at("two"))), (Some(2), vec!["plain".to_owned()]));
+}
+
+/// A texture that climbs around the cylinder: what is added points around, in the texture's own frame.
+#[test]
+fn directions_follow_the_texture() {
+    let desk = Desk::empty();
+    let shear = 4.0f64;
+    sheared(&desk.at("screw.obj"), true, true, shear as f32);
+    bake(&desk, "@screw.obj -o @out --size 64x16 --roughness 0.2 --lobes aniso --format exr --float");
+    let (cos, sin) = (
+        std::f64::consts::TAU.hypot(shear).recip() * std::f64::consts::TAU,
+        -shear / std::f64::consts::TAU.hypot(shear),
+    );
+    let file = exr_levels(&desk.at("out/screw_curvature.exr"));
+    for (k, level) in file.iter().enumerate().filter(|(_, level)| level.size().width > 8) {
+        let added = around(level.size().width);
+        let found = ["k.xx", "k.xy", "k.yy"].map(|name| f64::from(channel(level, name)[1]));
+        for (found, expected) in found.into_iter().zip([cos * cos, cos * sin, sin * sin]) {
+            assert!((found - added * expected).abs() < 1e-2 * added, "level {k}: {found} {}", added * expected);
+        }
+    }
+    for lobes in &lobes(&desk.at("out/screw_lobes.exr"))[1..3] {
+        let angle = f64::from(lobes.at(3, 0).axes().angle);
+        assert!((angle - sin.atan2(cos)).abs() < 0.01, "{angle}");
+    }
+}
+
+/// Texture coordinates are those that a material's maps ask for, and parts are found again in each set of them.
+#[test]
+fn materials_take_their_own_texture_coordinates() {
+    let desk = Desk::empty();
+    let width = std::fs::read(png8(&desk.at("w.png"), (16, 8), |_, _| vec![100])).unwrap();
+    let maps = |set: usize| serde_json::json!({ "metallicRoughnessTexture": { "index": 0, "texCoord": set } });
+    let materials = serde_json::json!([
+        { "name": "both", "sets": [["TEXCOORD_0"], [], ["TEXCOORD_0", "TEXCOORD_1"]] },
+        { "name": "second", "sets": [["TEXCOORD_1"]], "pbrMetallicRoughness": maps(1) },
+        { "name": "none", "sets": [[]], "pbrMetallicRoughness": { "roughnessFactor": 0.5 } },
+    ]);
+    glb(&desk.at("m.glb"), materials, &[width]);
+    bake(&desk, "@m.glb -o @out --size 16");
+    assert_eq!(names(&desk.at("out")), ["both", "both_vertices", "none", "second"]);
+    let second = manifest(&desk.at("out/second"));
+    assert_eq!((&second["mesh"]["uv_set"], &second["mesh"]["triangles"]), (&1.into(), &1024.into()));
+    assert_eq!(manifest(&desk.at("out/both"))["mesh"]["triangles"], 2048);
+    // A gray map is green, as in glTF.
+    let map = levels(&desk.at("out/second"), &entry(&second, "roughness", "png")["files"]);
+    assert!(map[0].channels.len() == 3 && (plane(&map[0], 1)[0] - 100.0 / 255.0).abs() < 1e-6);
+}
+
+/// Files of an earlier bake go when they are not renewed; inputs and strangers' files stay.
+#[test]
+fn a_bake_after_another_leaves_no_orphans() {
+    let desk = Desk::empty();
+    std::fs::create_dir(desk.at("out")).unwrap();
+    obj(&desk.at("pipe.obj"), true, true);
+    bake(&desk, "@pipe.obj -o @out --size 16 --roughness 0.3");
+    assert!(names(&desk.at("out")).contains(&"roughness_mip3.png".to_owned()));
+    obj(&desk.at("pipe.obj"), false, true);
+    bake(&desk, "@pipe.obj -o @out");
+    assert_eq!(names(&desk.at("out")), ["manifest.json", "pipe_curvature.ply"]);
+    bake(&desk, "@pipe.obj -o @named --name hose");
+    assert_eq!(names(&desk.at("named")), ["hose_curvature.ply", "manifest.json"]);
+    refuses(&desk, "@pipe.obj -o @out --name hose", "another material, 'pipe'");
+    // A level of an earlier build that is a map of this model.
+    let material = |factor: f32| {
+        let texture = serde_json::json!({ "index": 0 });
+        serde_json::json!([{ "pbrMetallicRoughness": { "metallicRoughnessTexture": texture, "roughnessFactor": factor } }])
+    };
+    let width = std::fs::read(png8(&desk.at("w.png"), (8, 8), |_, _| vec![9, 100, 0])).unwrap();
+    glb(&desk.at("model.glb"), material(0.5), &[width]);
+    bake(&desk, "@model.glb -o @out2 --name m");
+    let inputs = &manifest(&desk.at("out2"))["inputs"];
+    assert!(inputs[0]["path"].as_str().unwrap().ends_with("model.glb/image 0/metallic_roughness.png"), "{inputs}");
 }
 
 #[test]
@@ -217,6 +303,7 @@ fn what_is_missing_is_said() {
     obj(&desk.at("bare.obj"), true, false);
     let said = bake(&desk, "@bare.obj -o @out --size 16 --crease 90");
     assert!(said.lines().count() == 1 && said.contains("lacks normals") && said.contains("--crease"), "{said}");
+    refuses(&desk, "@bare.obj -o @no --normal-scale 2", "and no map");
     let said = strings(&manifest(&desk.at("out"))["notes"]);
     assert!(said.iter().any(|note| note.contains("--roughness")), "no roughness was given: {said:?}");
     let before = desk.tree();

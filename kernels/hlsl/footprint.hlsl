@@ -63,6 +63,17 @@ float3 mf_carried_derivative(float3 n, float3 dn) {
     return float3(dn.x * n.z, dn.y * n.z, -(dn.x * n.x + dn.y * n.y));
 }
 
+// A kernel k (xx, xy, yy) of the mesh normal, in the surface's tangent frame, as `bake-curvature` writes it, in the bent frame of
+// the lobe's unit normal n, which turns with the mesh. What mf_add_kernel_projected then adds to the lobe.
+float3 mf_carried_kernel(float3 n, float3 k) {
+    float2 a = mf_bent_components(n, mf_carried_derivative(n, float3(1.0, 0.0, 0.0)));
+    float2 b = mf_bent_components(n, mf_carried_derivative(n, float3(0.0, 1.0, 0.0)));
+    float xx = k.x * a.x * a.x + 2.0 * k.y * a.x * b.x + k.z * b.x * b.x;
+    float xy = k.x * a.x * a.y + k.y * (a.x * b.y + a.y * b.x) + k.z * b.x * b.y;
+    float yy = k.x * a.y * a.y + 2.0 * k.y * a.y * b.y + k.z * b.y * b.y;
+    return float3(xx, xy, yy);
+}
+
 // The share of a steady change that texels of this width (pixels) have folded, under a pixel's filter of variance sigma2
 // (pixels^2): w^2 / (12 sigma2), 0 to 1.
 float mf_folded_share(float sigma2, float texel) {

@@ -59,6 +59,17 @@ fn mf_carried_derivative(n: vec3f, dn: vec3f) -> vec3f {
     return vec3f(dn.x * n.z, dn.y * n.z, -(dn.x * n.x + dn.y * n.y));
 }
 
+// A kernel k (xx, xy, yy) of the mesh normal, in the surface's tangent frame, as `bake-curvature` writes it, in the bent frame of
+// the lobe's unit normal n, which turns with the mesh. What mf_add_kernel_projected then adds to the lobe.
+fn mf_carried_kernel(n: vec3f, k: vec3f) -> vec3f {
+    let a: vec2f = mf_bent_components(n, mf_carried_derivative(n, vec3f(1.0, 0.0, 0.0)));
+    let b: vec2f = mf_bent_components(n, mf_carried_derivative(n, vec3f(0.0, 1.0, 0.0)));
+    let xx: f32 = k.x * a.x * a.x + 2.0 * k.y * a.x * b.x + k.z * b.x * b.x;
+    let xy: f32 = k.x * a.x * a.y + k.y * (a.x * b.y + a.y * b.x) + k.z * b.x * b.y;
+    let yy: f32 = k.x * a.y * a.y + 2.0 * k.y * a.y * b.y + k.z * b.y * b.y;
+    return vec3f(xx, xy, yy);
+}
+
 // The share of a steady change that texels of this width (pixels) have folded, under a pixel's filter of variance sigma2
 // (pixels^2): w^2 / (12 sigma2), 0 to 1.
 fn mf_folded_share(sigma2: f32, texel: f32) -> f32 {

@@ -67,7 +67,7 @@ pub enum Command {
 }
 
 #[derive(Args)]
-#[command(after_help = EXIT_CODES)]
+#[command(after_help = fold_list())]
 pub struct BakeArgs {
     /// Mesh: .glb, .gltf, .obj or .ply. The maps of glTF materials are found in it
     #[arg(value_name = "MESH")]

@@ -1,65 +1,79 @@
 //! `mipfold bake-curvature`.
 
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 use std::path::Path;
 
-use super::args::{BakeArgs, Global, depth};
+use super::args::{BakeArgs, Global, WrapArg, depth};
 use super::build::output_folders;
-use super::inputs::{given_width, single};
+use super::inputs::{given_width, read_as, single};
 use super::job::{Job, NORMALS_COMPUTED, Under};
 use super::report::{Built, Extent, Report};
 use crate::codec;
 use crate::curvature::{BakeOptions, LoadOptions, Mesh, load, vertex_curvature};
 use crate::error::{Error, Result};
-use crate::material::{Extra, Inputs, Model, RoughnessInput, Surface};
-use crate::output::{MANIFEST, Request, may_write, vertices_name, write_vertices};
+use crate::fold::Options;
+use crate::material::{Extra, Inputs, Model, NormalRange, NormalY, NormalZ, RoughnessInput, Surface};
+use crate::output::{MANIFEST, Request, may_build, vertices_name, write_vertices};
 
-/// Parts of a mesh that share their maps.
+/// Triangles that are baked together: those of the materials that share their maps.
 struct Group {
-    /// By number in the mesh.
-    parts: Vec<usize>,
+    name: String,
+    /// Numbers of the materials in the file; none for triangles without one.
+    materials: Vec<Option<usize>>,
     /// The maps that the file itself names.
     surface: Option<Surface>,
+    /// Set of texture coordinates.
+    uv_set: usize,
+}
+
+/// A group's triangles with texture coordinates, or those without, which are baked at their vertices.
+struct Bake<'a> {
     name: String,
+    group: &'a Group,
+    mesh: Mesh,
+    textured: bool,
 }
 
 pub fn run(args: &BakeArgs, global: &Global, report: &mut Report) -> Result<()> {
     let options = args.folding.options(false)?;
-    let mut meshes = Meshes { args, read: HashMap::new() };
-    report.progress.set_message(format!("reading {}", args.mesh.display()));
-    let groups = groups(args, meshes.with(args.uv_set)?, report)?;
     let flagged = flagged(args)?;
-    let textured = |mesh: &Mesh, group: &Group| group.parts.iter().any(|&i| mesh.parts[i].has_uvs);
-    let mesh = meshes.with(args.uv_set)?;
-    let with_maps = groups.iter().filter(|group| textured(mesh, group)).count();
-    if flagged.is_some() && with_maps != 1 {
-        let found = format!("maps given for {with_maps} materials with texture coordinates");
-        return Err(Error::invalid_option("bake-curvature", found, "one: name it with --part"));
-    }
-    // A part without texture coordinates is baked at its vertices.
-    let mut jobs: Vec<(String, Group, bool)> = Vec::new();
-    for group in groups {
-        let (with, without): (Vec<_>, Vec<_>) = group.parts.iter().partition(|&&i| mesh.parts[i].has_uvs);
-        let both = !with.is_empty() && !without.is_empty();
-        if !without.is_empty() {
-            let name = if both { format!("{}_vertices", group.name) } else { group.name.clone() };
-            let group = Group { parts: without, surface: None, name: group.name.clone() };
-            jobs.push((name, group, false));
-        }
-        if !with.is_empty() {
-            jobs.push((group.name.clone(), Group { parts: with, ..group }, true));
+    report.progress.set_message(format!("reading {}", args.mesh.display()));
+    let mut meshes = HashMap::from([(args.uv_set, read(args, args.uv_set)?)]);
+    let groups = groups(args, &meshes[&args.uv_set], flagged.is_some())?;
+    // Where a material that cannot be read would have been, its neighbours stay in folders of their own.
+    let mut alone = groups.len() == 1;
+    let mut bakes: Vec<Bake> = Vec::new();
+    for group in &groups {
+        match group {
+            Ok(group) => {
+                if !meshes.contains_key(&group.uv_set) {
+                    meshes.insert(group.uv_set, read(args, group.uv_set)?);
+                }
+                bakes.extend(parted(args, group, &meshes[&group.uv_set]));
+            }
+            Err(error) => report.error(error),
         }
     }
-    if args.maps.name.is_some() && jobs.len() != 1 {
+    drop(meshes);
+    alone &= bakes.len() == 1;
+    if args.maps.name.is_some() && !alone {
         let expected = "one material; several are named after the file's";
-        return Err(Error::invalid_option("--name", format!("{} materials", jobs.len()), expected));
+        return Err(Error::invalid_option("--name", format!("{} materials", bakes.len().max(groups.len())), expected));
     }
-    let names: Vec<&str> = jobs.iter().map(|(name, ..)| name.as_str()).collect();
-    let folders = if let [_] = jobs[..] { vec![args.output.clone()] } else { output_folders(&args.output, &names) };
-    for ((name, group, textured), folder) in jobs.into_iter().zip(folders) {
-        let uv_set = group.surface.as_ref().and_then(|surface| surface.uv_set).unwrap_or(args.uv_set);
-        let mesh = meshes.with(uv_set)?.select(&group.parts);
-        let result = if textured {
+    if flagged.is_some() {
+        let textured = bakes.iter().filter(|bake| bake.textured).count();
+        let (found, expected) = match textured {
+            0 => ("maps for a mesh without texture coordinates".to_owned(), "a mesh with them, or no maps"),
+            _ => (format!("maps for {textured} materials"), "one: name it with --part"),
+        };
+        if textured != 1 {
+            return Err(Error::invalid_option(args.mesh.display().to_string(), found, expected));
+        }
+    }
+    let names: Vec<&str> = bakes.iter().map(|bake| bake.name.as_str()).collect();
+    let folders = if alone { vec![args.output.clone()] } else { output_folders(&args.output, &names) };
+    for (bake, folder) in bakes.iter().zip(folders) {
+        let result = if bake.textured {
             let request = Request {
                 folder,
                 formats: args.format.clone(),
@@ -68,15 +82,9 @@ pub fn run(args: &BakeArgs, global: &Global, report: &mut Report) -> Result<()> 
                 extras: vec![Extra::Curvature],
                 force: global.force,
             };
-            let inputs = inputs(args, &group, flagged.as_ref())?;
-            let read = |path: &Path| group.surface.as_ref().map_or_else(|| codec::read(path), |s| s.read(path));
-            let baking = BakeOptions { padding: usize::from(args.padding) };
-            let form = args.folding.form();
-            let under = Some(Under { mesh: &mesh, file: &args.mesh, options: baking });
-            let job = Job { inputs: &inputs, read: &read, under, options: &options, form, request: &request };
-            job.run(global.dry_run, &report.progress).map(|done| done.built)
+            into_texture(args, bake, flagged.as_ref(), &options, &request, global.dry_run, report)
         } else {
-            at_vertices(&name, &folder, &mesh, global)
+            at_vertices(bake, &folder, global)
         };
         match result {
             Ok(built) => report.built(built),
@@ -86,92 +94,123 @@ pub fn run(args: &BakeArgs, global: &Global, report: &mut Report) -> Result<()> 
     Ok(())
 }
 
-/// The mesh by sets of texture coordinates: most files have one.
-struct Meshes<'a> {
-    args: &'a BakeArgs,
-    read: HashMap<usize, Mesh>,
+fn read(args: &BakeArgs, uv_set: usize) -> Result<Mesh> {
+    load(&args.mesh, &LoadOptions { crease_degrees: args.crease, uv_set })
 }
 
-impl Meshes<'_> {
-    fn with(&mut self, uv_set: usize) -> Result<&Mesh> {
-        if !self.read.contains_key(&uv_set) {
-            let mesh = load(&self.args.mesh, &LoadOptions { crease_degrees: self.args.crease, uv_set })?;
-            self.read.insert(uv_set, mesh);
-        }
-        Ok(&self.read[&uv_set])
-    }
-}
-
-/// The parts that are asked for, by material.
-fn groups(args: &BakeArgs, mesh: &Mesh, report: &mut Report) -> Result<Vec<Group>> {
+/// The materials that are asked for, by their maps; `given` if options name the maps, and the file's own do not count.
+fn groups(args: &BakeArgs, mesh: &Mesh, given: bool) -> Result<Vec<Result<Group>>> {
     let stem = args.mesh.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let name = |i: usize| mesh.parts[i].material.clone().unwrap_or_else(|| stem.clone());
-    let all: Vec<usize> = (0..mesh.parts.len()).collect();
-    for wanted in &args.part {
-        if !all.iter().any(|&i| name(i) == *wanted) {
-            let mut names: Vec<String> = all.iter().map(|&i| name(i)).collect();
-            names.dedup();
-            return Err(Error::invalid_option("--part", wanted, format!("one of {}", names.join(", "))));
-        }
+    let all: BTreeSet<String> = (0..mesh.parts.len()).map(name).collect();
+    if let Some(wanted) = args.part.iter().find(|wanted| !all.contains(*wanted)) {
+        let names = all.into_iter().collect::<Vec<_>>().join(", ");
+        return Err(Error::invalid_option("--part", wanted, format!("one of {names}")));
     }
-    let asked: Vec<usize> = all.into_iter().filter(|&i| args.part.is_empty() || args.part.contains(&name(i))).collect();
-    let mut groups: Vec<Group> = Vec::new();
-    let mut left = asked.clone();
-    if let Some(model) = Model::read(&args.mesh)? {
-        let mut used: Vec<usize> = asked.iter().filter_map(|&i| mesh.parts[i].index).collect();
-        used.dedup();
-        left.retain(|&i| mesh.parts[i].index.is_none());
-        for surface in model.surfaces(&used)? {
-            match surface {
-                Ok(surface) => {
-                    let of = |&i: &usize| mesh.parts[i].index.is_some_and(|index| surface.materials.contains(&index));
-                    let parts = asked.iter().copied().filter(of).collect();
-                    groups.push(Group { parts, name: surface.inputs.name.clone(), surface: Some(surface) });
-                }
-                Err(error) => report.error(&error),
-            }
+    let asked = (0..mesh.parts.len()).filter(|&i| args.part.is_empty() || args.part.contains(&name(i)));
+    // By number, and once each: a material may have parts with and without texture coordinates.
+    let mut materials: Vec<(Option<usize>, String)> = asked.map(|i| (mesh.parts[i].index, name(i))).collect();
+    materials.sort();
+    materials.dedup_by_key(|(index, _)| *index);
+    let mut groups = Vec::new();
+    if !given && let Some(model) = Model::read(&args.mesh)? {
+        for surface in model.surfaces(materials.iter().filter_map(|(index, _)| *index))? {
+            groups.push(surface.map(|surface| Group {
+                name: surface.inputs.name.clone(),
+                materials: surface.materials.iter().map(|index| Some(*index)).collect(),
+                uv_set: surface.uv_set.unwrap_or(args.uv_set),
+                surface: Some(surface),
+            }));
         }
+        materials.retain(|(index, _)| index.is_none());
     }
-    for i in left {
-        match groups.iter_mut().find(|group| group.surface.is_none() && group.name == name(i)) {
-            Some(group) => group.parts.push(i),
-            None => groups.push(Group { parts: vec![i], surface: None, name: name(i) }),
-        }
-    }
+    let plain = |(index, name)| Ok(Group { name, materials: vec![index], surface: None, uv_set: args.uv_set });
+    groups.extend(materials.into_iter().map(plain));
     Ok(groups)
 }
 
-/// The material that flags describe, if they name any map.
+/// What there is to bake of a group.
+fn parted<'a>(args: &BakeArgs, group: &'a Group, mesh: &Mesh) -> Vec<Bake<'a>> {
+    let of = |textured: bool| -> Vec<usize> {
+        let parts = mesh.parts.iter().enumerate();
+        let own = parts.filter(|(_, part)| part.has_uvs == textured && group.materials.contains(&part.index));
+        own.map(|(i, _)| i).collect()
+    };
+    let (with, without) = (of(true), of(false));
+    let both = !with.is_empty() && !without.is_empty();
+    let name = args.maps.name.clone().unwrap_or_else(|| group.name.clone());
+    let mut bakes = Vec::new();
+    if !with.is_empty() {
+        bakes.push(Bake { name: name.clone(), group, mesh: mesh.select(&with), textured: true });
+    }
+    if !without.is_empty() {
+        let name = if both { format!("{name}_vertices") } else { name };
+        bakes.push(Bake { name, group, mesh: mesh.select(&without), textured: false });
+    }
+    bakes
+}
+
+/// The material that options describe, if they name any map.
 fn flagged(args: &BakeArgs) -> Result<Option<Inputs>> {
     let (maps, width) = (&args.maps, given_width(&args.maps)?);
     let named = [&maps.normal, &maps.height, &maps.anisotropy].iter().any(|map| map.is_some());
     let width = matches!(width, RoughnessInput::Roughness(_) | RoughnessInput::Smoothness(_));
-    (named || width).then(|| single(maps, &args.reading, "bake-curvature")).transpose()
+    if named || width {
+        return single(maps, &args.reading, "bake-curvature").map(Some);
+    }
+    let reading = &args.reading;
+    let as_they_are = reading.normal_y == NormalY::default()
+        && reading.normal_z == NormalZ::default()
+        && reading.normal_range == NormalRange::default()
+        && reading.normal_scale == 1.0
+        && reading.height_scale.is_none()
+        && matches!(reading.wrap, WrapArg::Repeat);
+    if as_they_are {
+        return Ok(None);
+    }
+    let expected = "--normal, --height or --roughness FILE beside them: a model says how its own maps are read";
+    Err(Error::invalid_option("bake-curvature", "options that say how to read maps, and no map", expected))
 }
 
-/// What a group's texture is folded from: the maps of flags, else those of the file, else a flat surface.
-fn inputs(args: &BakeArgs, group: &Group, flagged: Option<&Inputs>) -> Result<Inputs> {
+/// Bakes and folds a texture.
+fn into_texture(
+    args: &BakeArgs,
+    bake: &Bake,
+    flagged: Option<&Inputs>,
+    options: &Options,
+    request: &Request,
+    dry_run: bool,
+    report: &Report,
+) -> Result<Built> {
+    let surface = bake.group.surface.as_ref();
     let width = given_width(&args.maps)?;
-    let own = group.surface.as_ref().map(|surface| surface.inputs.clone());
-    let name = args.maps.name.clone().unwrap_or_else(|| group.name.clone());
-    let inputs = match (flagged, own) {
-        (Some(flagged), _) => super::inputs::read_as(flagged.clone(), &args.maps, &args.reading)?,
-        (None, Some(own)) if width == RoughnessInput::Missing => own,
-        (None, own) => Inputs { roughness: width, ..own.unwrap_or_default() },
+    let mut inputs = match (flagged, surface.map(|surface| surface.inputs.clone())) {
+        (Some(flagged), _) => read_as(flagged.clone(), &args.maps, &args.reading)?,
+        (None, own) => own.unwrap_or_default(),
     };
-    Ok(Inputs { name, flat: Some(args.size), ..inputs })
+    if width != RoughnessInput::Missing {
+        inputs.roughness = width;
+    }
+    let inputs = Inputs { name: bake.name.clone(), flat: Some(args.size), ..inputs };
+    let read = |path: &Path| surface.map_or_else(|| codec::read(path), |surface| surface.read(path));
+    let baking = BakeOptions { padding: usize::from(args.padding) };
+    let under = Some(Under { mesh: &bake.mesh, file: &args.mesh, uv_set: bake.group.uv_set, options: baking });
+    let form = args.folding.form();
+    let job = Job { inputs: &inputs, read: &read, under, options, form, request };
+    job.run(dry_run, &report.progress).map(|done| done.built)
 }
 
 /// Curvature at the vertices, for what has no texture coordinates.
-fn at_vertices(name: &str, folder: &Path, mesh: &Mesh, global: &Global) -> Result<Built> {
+fn at_vertices(bake: &Bake, folder: &Path, global: &Global) -> Result<Built> {
+    let Bake { name, mesh, .. } = bake;
     let file = vertices_name(name);
     if global.dry_run {
-        may_write(folder, [file.as_str(), MANIFEST], global.force)?;
+        may_build(folder, name, [file.as_str()], global.force)?;
     } else {
         write_vertices(folder, name, mesh, &vertex_curvature(mesh), global.force)?;
     }
     Ok(Built {
-        name: name.into(),
+        name: name.clone(),
         folder: folder.to_string_lossy().into_owned(),
         extent: Extent::Vertices { vertices: mesh.positions.len(), triangles: mesh.triangles.len() },
         files: vec![file, MANIFEST.into()],

@@ -77,7 +77,7 @@ pub fn folder(input: &Path, maps: &MapArgs, reading: &ReadingArgs) -> Result<Vec
     let extension = input.extension().unwrap_or_default().to_string_lossy().to_lowercase();
     if input.is_file() {
         let hint = if extension == "glb" || extension == "gltf" {
-            "a folder of texture files; glTF is not read yet"
+            "a folder of texture files; for models see mipfold bake-curvature"
         } else {
             "a folder; single maps are given with --normal and --roughness"
         };

@@ -6,11 +6,11 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use indicatif::ProgressBar;
 
 use super::report::{Built, Extent, Portion};
-use crate::curvature::{BakeOptions, Mesh, Summary, bake};
+use crate::codec::sha256;
+use crate::curvature::{BakeOptions, Mesh, Summary, bake, check};
 use crate::error::Result;
 use crate::fold::{Chain, Options};
-use crate::image::Size;
-use crate::material::{Inputs, Material, ReadPicture, Texels, load_with};
+use crate::material::{Inputs, Material, MeshAbout, MeshUnder, ReadPicture, Texels, load_with};
 use crate::ndf::Form;
 use crate::output::{MANIFEST, Plan, Request, fold_for, write};
 
@@ -31,6 +31,7 @@ pub struct Under<'a> {
     pub mesh: &'a Mesh,
     /// Where it came from.
     pub file: &'a Path,
+    pub uv_set: usize,
     pub options: BakeOptions,
 }
 
@@ -64,11 +65,7 @@ impl Job<'_> {
         if let Some(under) = &self.under {
             bar.set_message(format!("baking {name}"));
             let portion = Portion::on(bar);
-            // What may be wrong with the mesh shows at any size.
-            let size = if dry_run { Size::new(1, 1) } else { material.size };
-            let baked = bake(under.mesh, size, &under.options, &|share| portion.show(share))?;
-            tell(under, &baked.summary, &mut material);
-            material.curvature = Some(baked.levels);
+            under.bake_into(&mut material, dry_run, &|share| portion.show(share))?;
         }
         let files = plan.outputs.iter().map(|o| o.name.clone()).chain([MANIFEST.to_owned()]).collect();
         let built = Built {
@@ -123,20 +120,41 @@ impl Job<'_> {
     }
 }
 
-/// What was found under a texture.
-fn tell(under: &Under, found: &Summary, material: &mut Material) {
-    let Summary { triangles, islands, left_out, covered, overlapped, .. } = *found;
-    let file = under.file.file_name().unwrap_or_default().to_string_lossy();
-    material.notes.push(format!("curvature of {triangles} triangles of {file}, {islands} islands, from level 1 on"));
-    if under.mesh.normals_computed {
-        material.warnings.push(NORMALS_COMPUTED.into());
-    }
-    if left_out > 0.005 {
-        let share = 100.0 * left_out;
-        material.warnings.push(format!("{share:.1} % of the surface has no place in the texture, and is left out"));
-    }
-    if 10 * overlapped > covered {
-        let share = 100.0 * overlapped as f64 / covered as f64;
-        material.notes.push(format!("surfaces lie on each other in {share:.0} % of the texels: their mean is baked"));
+impl Under<'_> {
+    /// Bakes the curvature into the material's size, and notes what was found. A dry run only finds out whether it can be.
+    fn bake_into(&self, material: &mut Material, dry_run: bool, done: &(dyn Fn(f64) + Sync)) -> Result<()> {
+        let mut about = MeshAbout {
+            path: self.file.to_string_lossy().into_owned(),
+            sha256: sha256(self.file)?,
+            uv_set: self.uv_set,
+            padding: self.options.padding,
+            triangles: self.mesh.triangles.len(),
+        };
+        let mut added = Vec::new();
+        if self.mesh.normals_computed {
+            material.warnings.push(NORMALS_COMPUTED.into());
+        }
+        if dry_run {
+            check(self.mesh, material.size)?;
+        } else {
+            let baked = bake(self.mesh, material.size, &self.options, done)?;
+            let Summary { triangles, islands, left_out, covered, overlapped, .. } = baked.summary;
+            (about.triangles, added) = (triangles, baked.levels);
+            let file = self.file.file_name().unwrap_or_default().to_string_lossy();
+            let note = format!("curvature of {triangles} triangles of {file}, {islands} islands, from level 1 on");
+            material.notes.push(note);
+            if left_out > 0.005 {
+                let share = 100.0 * left_out;
+                let warning = format!("{share:.1} % of the surface has no place in the texture, and is left out");
+                material.warnings.push(warning);
+            }
+            if 10 * overlapped > covered {
+                let share = 100.0 * overlapped as f64 / covered as f64;
+                let note = format!("surfaces lie on each other in {share:.0} % of the texels: their mean is baked");
+                material.notes.push(note);
+            }
+        }
+        material.mesh = Some(MeshUnder { about, added });
+        Ok(())
     }
 }

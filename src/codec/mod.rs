@@ -92,7 +92,7 @@ fn decode_levels(path: &Path, bytes: Vec<u8>, count: usize) -> Result<Vec<Decode
         Format::Tiff => tiff::decode(&source).map(one),
         _ => pictures::decode(&source).map(one),
     })?;
-    let sha256: String = Sha256::digest(&bytes).iter().map(|byte| format!("{byte:02x}")).collect();
+    let sha256 = hexadecimal(&Sha256::digest(&bytes));
     let (bytes_len, plain) = (bytes.len(), format == Format::Png && png::is_plain(&bytes));
     let plain_png: Option<Arc<[u8]>> = plain.then(|| bytes.into());
     let decoded = |raster| Decoded {
@@ -104,6 +104,15 @@ fn decode_levels(path: &Path, bytes: Vec<u8>, count: usize) -> Result<Vec<Decode
         plain_png: plain_png.clone(),
     };
     Ok(rasters.into_iter().map(decoded).collect())
+}
+
+fn hexadecimal(digest: &[u8]) -> String {
+    digest.iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+/// SHA-256 of a file, hexadecimal.
+pub(crate) fn sha256(path: &Path) -> Result<String> {
+    Ok(hexadecimal(&Sha256::digest(read_file(path, "a file", u64::MAX)?)))
 }
 
 fn file(path: &Path) -> Result<Vec<u8>> {

@@ -125,14 +125,7 @@ pub struct Summary {
 /// [`Error::Unsupported`] for a mesh without texture coordinates, for coordinates that cover the texture more than
 /// [`super::MOST_COVERS`] times, and above [`LONGEST_SIDE`].
 pub fn bake(mesh: &Mesh, size: Size, options: &BakeOptions, progress: &(dyn Fn(f64) + Sync)) -> Result<Baked> {
-    if size.width.max(size.height) > LONGEST_SIDE {
-        return Err(Error::Unsupported {
-            subject: "bake".to_owned(),
-            found: format!("a texture of {size}"),
-            expected: format!("sides up to {LONGEST_SIDE}"),
-        });
-    }
-    let surface = Surface::new(mesh, size)?;
+    let surface = surface(mesh, size)?;
     let [without_uvs, without_texture_area, without_area] = surface.skipped;
     let mut summary = Summary {
         triangles: surface.order.len(),
@@ -172,6 +165,25 @@ pub fn bake(mesh: &Mesh, size: Size, options: &BakeOptions, progress: &(dyn Fn(f
     }
     progress(1.0);
     Ok(Baked { levels, summary })
+}
+
+/// Whether [`bake`] would, without baking.
+///
+/// # Errors
+/// Those of [`bake`].
+pub fn check(mesh: &Mesh, size: Size) -> Result<()> {
+    surface(mesh, size).map(drop)
+}
+
+fn surface(mesh: &Mesh, size: Size) -> Result<Surface<'_>> {
+    if size.width.max(size.height) > LONGEST_SIDE {
+        return Err(Error::Unsupported {
+            subject: "bake".to_owned(),
+            found: format!("a texture of {size}"),
+            expected: format!("sides up to {LONGEST_SIDE}"),
+        });
+    }
+    Surface::new(mesh, size)
 }
 
 /// Runs of levels of which each texel is made of whole texels of the level before. Levels of a run are merged from its

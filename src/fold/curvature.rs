@@ -13,6 +13,7 @@ use crate::ndf::{Form, Frame, RoughnessTensor};
 pub(super) fn add(levels: &mut [Level], baked: &[curvature::Level], options: &Options) {
     let (low, high) = (options.min_alpha.squared(), options.max_alpha.squared());
     for (level, baked) in levels.iter_mut().zip(baked.get(1..).unwrap_or_default()) {
+        assert_eq!(baked.size(), level.lobes.size(), "baked for a texture of another size");
         let (form, stride, count) = (level.lobes.form(), level.lobes.stride(), level.lobes.count());
         let mut rows: Vec<_> = level.lobes.bands_mut(1).collect();
         rows.par_iter_mut().enumerate().for_each(|(y, planes)| {

@@ -106,7 +106,9 @@ pub(crate) fn inline(path: &Path, uri: &str, what: &str) -> Result<Option<Vec<u8
 pub(crate) fn beside(path: &Path, uri: &str, what: &str) -> Result<PathBuf> {
     let below = |name: &String| {
         let mut parts = Path::new(name).components();
-        !name.contains("://") && parts.all(|part| matches!(part, Component::Normal(_) | Component::CurDir))
+        !name.is_empty()
+            && !name.contains("://")
+            && parts.all(|part| matches!(part, Component::Normal(_) | Component::CurDir))
     };
     let Some(name) = unescaped(uri).filter(below) else {
         let expected = "a file relative to this one, in its folder or below";

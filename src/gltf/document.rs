@@ -117,7 +117,21 @@ pub(crate) struct Texture {
     pub source: Option<usize>,
     pub sampler: Option<usize>,
     #[serde(default)]
-    pub extensions: BTreeMap<String, serde::de::IgnoredAny>,
+    pub extensions: TextureExtensions,
+}
+
+/// Other forms of a texture; we read WebP.
+#[derive(Debug, Default, Deserialize)]
+pub(crate) struct TextureExtensions {
+    #[serde(rename = "EXT_texture_webp")]
+    pub webp: Option<Source>,
+    #[serde(flatten)]
+    pub others: BTreeMap<String, serde::de::IgnoredAny>,
+}
+
+#[derive(Debug, Deserialize)]
+pub(crate) struct Source {
+    pub source: usize,
 }
 
 #[derive(Debug, Deserialize)]

@@ -15,6 +15,18 @@ pub enum Samples {
     F32(Array3<f32>),
 }
 
+impl Samples {
+    /// Multiplies one channel by a factor, 0 to 1; integers are rounded.
+    pub fn scale(&mut self, channel: usize, factor: f32) {
+        let axis = ndarray::Axis(2);
+        match self {
+            Self::U8(a) => a.index_axis_mut(axis, channel).mapv_inplace(|v| (f32::from(v) * factor).round() as u8),
+            Self::U16(a) => a.index_axis_mut(axis, channel).mapv_inplace(|v| (f32::from(v) * factor).round() as u16),
+            Self::F32(a) => a.index_axis_mut(axis, channel).mapv_inplace(|v| v * factor),
+        }
+    }
+}
+
 /// A decoded picture: linear samples and the names of its channels.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Raster {
@@ -41,6 +53,19 @@ impl Raster {
     pub fn size(&self) -> Size {
         let (height, width, _) = self.samples.dim();
         Size::new(width, height)
+    }
+
+    /// The first channel as red, green and blue; a second one is dropped.
+    pub fn gray_as_rgb(&self) -> Self {
+        fn three<T: Copy>(a: &Array3<T>) -> Array3<T> {
+            let (height, width, _) = a.dim();
+            Array3::from_shape_fn((height, width, 3), |(y, x, _)| a[(y, x, 0)])
+        }
+        Self::new(match &self.samples {
+            Samples::U8(a) => Samples::U8(three(a)),
+            Samples::U16(a) => Samples::U16(three(a)),
+            Samples::F32(a) => Samples::F32(three(a)),
+        })
     }
 
     /// Bits a sample: 8 or 16 (unsigned integer), or 32 (float).
@@ -130,5 +155,25 @@ mod tests {
         let mut out = [0.0; 2];
         raster.read(1, 1, 1, &mut out);
         assert_eq!(out, [111.0 / 255.0, 121.0 / 255.0]);
+    }
+
+    #[test]
+    fn a_factor_scales_one_channel_and_gray_becomes_three() {
+        let halved = |mut samples: Samples, channel| {
+            samples.scale(channel, 0.5);
+            samples
+        };
+        let of = |values: [u8; 3]| Samples::U8(Array3::from_shape_fn((1, 1, 3), |(_, _, c)| values[c]));
+        assert_eq!(halved(of([200, 100, 50]), 1), of([200, 50, 50]));
+        assert_eq!(
+            halved(Samples::U16(Array3::from_elem((1, 1, 1), 1001)), 0),
+            Samples::U16(Array3::from_elem((1, 1, 1), 501))
+        );
+        assert_eq!(
+            halved(Samples::F32(Array3::from_elem((1, 1, 1), 0.5)), 0),
+            Samples::F32(Array3::from_elem((1, 1, 1), 0.25))
+        );
+        let gray = Raster::new(Samples::U8(Array3::from_shape_fn((1, 1, 2), |(_, _, c)| [7, 255][c])));
+        assert_eq!(gray.gray_as_rgb(), Raster::new(of([7, 7, 7])));
     }
 }

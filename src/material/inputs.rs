@@ -71,6 +71,9 @@ pub struct Inputs {
     pub normal_range: NormalRange,
     /// Strength that the renderer multiplies x and y of the normal with; `None` for 1.
     pub normal_scale: Option<f32>,
+    /// What the renderer multiplies a roughness map with, 0 to 1 (glTF's `roughnessFactor`); `None` for 1. It is multiplied
+    /// into the maps that come back.
+    pub roughness_factor: Option<f32>,
     /// Height of white over black in widths of the texture.
     pub height_scale: Option<f32>,
     /// Size of a material that no map gives one: flat, of the roughness that is given.

@@ -70,7 +70,10 @@ fn assemble<'a>(inputs: &Inputs, read: ReadPicture<'a>, by_value: bool) -> Resul
         (None, None) => builder.note("no normal map: the surface is taken as flat"),
     }
     match &inputs.roughness {
-        RoughnessInput::Roughness(channel) => builder.add_width(channel, Role::Roughness)?,
+        RoughnessInput::Roughness(channel) => {
+            builder.add_width(channel, Role::Roughness)?;
+            builder.scale_width(inputs.roughness_factor.unwrap_or(1.0));
+        }
         RoughnessInput::Smoothness(channel) => builder.add_width(channel, Role::Smoothness)?,
         RoughnessInput::Constant(r) => builder.material.constant = *r,
         RoughnessInput::Missing => builder.note(format!(
@@ -95,7 +98,7 @@ fn empty(inputs: &Inputs) -> Material {
         wrap: inputs.wrap,
         notes: inputs.notes.clone(),
         warnings: inputs.warnings.clone(),
-        curvature: None,
+        mesh: None,
         normal: None,
         width: None,
         constant: DEFAULT_ROUGHNESS,
@@ -150,6 +153,7 @@ impl Builder<'_> {
                 format: decoded.format,
                 plain_png: decoded.plain_png,
                 derived: false,
+                scaled: false,
             },
             raster,
         });
@@ -275,6 +279,18 @@ impl Builder<'_> {
         self.assign(map, channel, role)?;
         self.material.width = Some((map, channel));
         Ok(())
+    }
+
+    /// Multiplies the factor of a renderer into the roughness.
+    fn scale_width(&mut self, factor: f32) {
+        let Some((map, channel)) = self.material.width.filter(|_| factor != 1.0) else { return };
+        let file = &mut self.material.maps[map];
+        file.raster.samples.scale(channel, factor);
+        if let Origin::File { plain_png, scaled, .. } = &mut file.origin {
+            (*plain_png, *scaled) = (None, true);
+        }
+        let stem = file.stem.clone();
+        self.note(format!("{stem}: the roughness factor {factor} is multiplied in; set it to 1 beside these maps"));
     }
 
     fn add_anisotropy(&mut self, path: &Path) -> Result<()> {

@@ -31,7 +31,7 @@ pub use load::{ReadPicture, load, load_with};
 pub use lobes::{base_lobes, surface_lobes};
 pub use pack::{Encoding, LevelView};
 pub use role::{NormalRange, NormalY, NormalZ, Role};
-pub use source::{MapFile, Material, Origin};
+pub use source::{MapFile, Material, MeshAbout, MeshUnder, Origin};
 pub use texels::Texels;
 
 /// Whether two spellings mean one file.

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use glam::Vec2;
+use serde::{Deserialize, Serialize};
 
 use super::{NormalY, NormalZ, Role, Texels};
 use crate::curvature;
@@ -29,6 +30,8 @@ pub enum Origin {
         plain_png: Option<Arc<[u8]>>,
         /// Whether the map is another picture, made from the file: normals from heights.
         derived: bool,
+        /// Whether a factor was multiplied into it.
+        scaled: bool,
     },
     /// Made from something else, which is said.
     Generated(String),
@@ -65,6 +68,30 @@ pub(super) struct NormalSource {
     pub channels: [Option<usize>; 3],
 }
 
+/// A mesh under a texture, and what it adds.
+#[derive(Clone, Debug)]
+pub struct MeshUnder {
+    /// Which, and how it was baked.
+    pub about: MeshAbout,
+    /// By level, level 0 first; none where it is only known that a chain was baked with it.
+    pub added: Vec<curvature::Level>,
+}
+
+/// A mesh that was baked, as manifests name it.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct MeshAbout {
+    /// As given on the command line; what is not Unicode in it is replaced.
+    pub path: String,
+    /// SHA-256 of the file, hexadecimal.
+    pub sha256: String,
+    /// Set of texture coordinates.
+    pub uv_set: usize,
+    /// Texels beside the surface that were filled.
+    pub padding: usize,
+    /// Triangles that were baked.
+    pub triangles: usize,
+}
+
 /// Maps of one surface, all of one size, linear.
 #[derive(Clone, Debug)]
 pub struct Material {
@@ -84,8 +111,8 @@ pub struct Material {
     pub notes: Vec<String>,
     /// What is probably wrong with the input.
     pub warnings: Vec<String>,
-    /// What the mesh under the texture adds, by level, level 0 first; nothing for a flat one.
-    pub curvature: Option<Vec<curvature::Level>>,
+    /// The mesh under the texture, if its curvature was baked.
+    pub mesh: Option<MeshUnder>,
     /// Map and channel of the normals; flat without.
     pub(super) normal: Option<NormalSource>,
     /// Map and channel of the roughness or smoothness; constant without.
@@ -204,7 +231,7 @@ impl Texels for Material {
     }
 
     fn curvature(&self) -> Option<&[curvature::Level]> {
-        self.curvature.as_deref()
+        self.mesh.as_ref().map(|mesh| mesh.added.as_slice())
     }
 
     fn extras(&self) -> usize {

@@ -87,8 +87,8 @@ impl<'a> ExtraLevel<'a> {
 
     /// Part of row `y` of what the mesh adds.
     fn added(&self, y: usize, x: usize, n: usize) -> Vec<RoughnessTensor> {
-        let baked = self.view.material.curvature.as_ref().expect("asked only where a mesh was baked");
-        baked[self.k].added.row(y).iter().skip(x).take(n).copied().collect()
+        let mesh = self.view.material.mesh.as_ref().expect("a plan is checked for its mesh");
+        mesh.added[self.k].added.row(y).iter().skip(x).take(n).copied().collect()
     }
 
     fn read_out(&self, tensor: RoughnessTensor, encoding: Encoding) -> [f32; 3] {

@@ -9,7 +9,8 @@ use crate::codec::Depth;
 use crate::fold::{Chain, Options};
 use crate::image::{Size, Wrap};
 use crate::material::{
-    Encoding, Extra, FurtherMap, GENERATOR, MapFile, Material, NormalY, NormalZ, Origin, Role, SCHEMA, lobe_channels,
+    Encoding, Extra, FurtherMap, GENERATOR, MapFile, Material, MeshAbout, NormalY, NormalZ, Origin, Role, SCHEMA,
+    lobe_channels,
 };
 use crate::ndf::Form;
 
@@ -37,6 +38,7 @@ pub struct Manifest {
     normal_scale: f32,
     wrap: Wrap,
     constant_roughness: Option<f32>,
+    mesh: Option<MeshAbout>,
     inputs: Vec<Input>,
     maps: Vec<OutputMap>,
     notes: Vec<String>,
@@ -105,6 +107,7 @@ impl Manifest {
             normal_scale: material.normal_scale,
             wrap: material.wrap,
             constant_roughness: constant.then_some(material.constant.0),
+            mesh: material.mesh.as_ref().map(|mesh| mesh.about.clone()),
             inputs: inputs(material),
             maps: maps(material, chain, plan, request),
             notes: material.notes.clone(),
@@ -295,6 +298,7 @@ fn level_0(file: &MapFile, encoding: &str) -> &'static str {
     match &file.origin {
         Origin::Generated(_) => "generated",
         Origin::File { derived: true, .. } => "derived from heights",
+        Origin::File { scaled: true, .. } => "the input, its roughness times a factor",
         Origin::File { size, .. } if *size != file.raster.size() => "the input, enlarged",
         Origin::File { .. } if encoding == "unorm16" && file.bits == 32 => "the input, rounded to 16 bit",
         Origin::File { .. } if encoding == "float16" => "the input, rounded to half floats",

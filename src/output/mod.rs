@@ -13,6 +13,7 @@ pub use crate::material::{MANIFEST, SCHEMA};
 pub use energy::fold_for;
 pub use manifest::{Input, Manifest, OutputMap};
 pub use plan::{Content, Format, Output, Plan, Request, safe_name};
-pub use stage::{Stage, may_write};
+use stage::stale;
+pub use stage::{Stage, may_build, may_write};
 pub use vertices::{vertices_name, write_vertices};
 pub use write::write;

@@ -4,11 +4,11 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use super::{MANIFEST, may_write};
+use super::may_build;
 use crate::codec::Depth;
 use crate::error::{Error, Result};
 use crate::fold::Options;
-use crate::material::{Earlier, Extra, FurtherMap, MapFile, Material, Origin, same_path};
+use crate::material::{Extra, FurtherMap, MapFile, Material, Origin, same_path};
 
 /// A container.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
@@ -164,15 +164,8 @@ impl Plan {
                 return Err(Error::unsupported(&path, found, "up to 4 in a PNG; --format exr holds more"));
             }
         }
-        if let Some(earlier) = Earlier::read(&request.folder)
-            && earlier.material != material.name
-            && !request.force
-        {
-            let found = format!("the build of another material, '{}'", earlier.material);
-            return Err(Error::invalid(&request.folder, found, "a folder for each material, or --force"));
-        }
         let names = self.outputs.iter().map(|output| output.name.as_str());
-        may_write(&request.folder, names.chain([MANIFEST]), request.force)
+        may_build(&request.folder, &material.name, names, request.force)
     }
 }
 
@@ -184,6 +177,8 @@ pub fn png_name(stem: &str, level: usize) -> String {
 /// A name that every file system takes.
 pub fn safe_name(name: &str) -> String {
     let safe: String = name.chars().map(|c| if c.is_alphanumeric() || "-_.".contains(c) { c } else { '_' }).collect();
+    // Suffixes and endings come after it, and file systems end at 255 bytes.
+    let safe: String = safe.chars().take(120).collect();
     if safe.trim_matches('.').is_empty() { "material".into() } else { safe }
 }
 

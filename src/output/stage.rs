@@ -8,7 +8,7 @@ use std::sync::Mutex;
 use tempfile::NamedTempFile;
 
 use crate::error::{Error, Result};
-use crate::material::Earlier;
+use crate::material::{Earlier, MANIFEST};
 
 /// Files written beside their place under a temporary name. [`Stage::commit`] renames all of them; dropping the stage
 /// before that removes them, and the folders that were made for them.
@@ -107,6 +107,35 @@ pub fn may_write<'a>(folder: &Path, names: impl IntoIterator<Item = &'a str>, fo
         }
     }
     Ok(())
+}
+
+/// Whether a build of this material may write files of these names and a manifest into a folder: as [`may_write`], and no
+/// other material was built there.
+///
+/// # Errors
+/// As [`may_write`].
+pub fn may_build<'a>(
+    folder: &Path,
+    material: &str,
+    names: impl IntoIterator<Item = &'a str>,
+    force: bool,
+) -> Result<()> {
+    if let Some(earlier) = Earlier::read(folder)
+        && earlier.material != material
+        && !force
+    {
+        let found = format!("the build of another material, '{}'", earlier.material);
+        return Err(Error::invalid(folder, found, "a folder for each material, or --force"));
+    }
+    may_write(folder, names.into_iter().chain([MANIFEST]), force)
+}
+
+/// Files of an earlier build of this material that a new one, of files of these names, does not write again.
+pub fn stale(folder: &Path, material: &str, names: &[&str]) -> Vec<String> {
+    let earlier = Earlier::read(folder).filter(|earlier| earlier.material == material).unwrap_or_default();
+    // File systems that ignore case exist.
+    let renewed = |file: &str| names.iter().chain([&MANIFEST]).any(|name| name.to_lowercase() == file.to_lowercase());
+    earlier.files.into_iter().filter(|file| !renewed(file)).collect()
 }
 
 impl Drop for Stage {

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use serde::Serialize;
 
-use super::{MANIFEST, Stage, may_write, safe_name};
+use super::{MANIFEST, Stage, may_build, safe_name, stale};
 use crate::curvature::{Curvature, Mesh};
 use crate::error::Result;
 use crate::material::{GENERATOR, SCHEMA};
@@ -55,7 +55,8 @@ pub fn vertices_name(material: &str) -> String {
 /// Whatever the system refuses, and a file there that mipfold did not write, unless `force`.
 pub fn write_vertices(folder: &Path, material: &str, mesh: &Mesh, curvature: &[Curvature], force: bool) -> Result<()> {
     let name = vertices_name(material);
-    may_write(folder, [name.as_str(), MANIFEST], force)?;
+    may_build(folder, material, [name.as_str()], force)?;
+    let stale = stale(folder, material, &[&name]);
     let vertex = |((p, n), c): ((&glam::Vec3, &glam::Vec3), &Curvature)| {
         let [w_xx, w_xy, w_xz, w_yy, w_yz, w_zz] = c.form.map(|v| v as f32);
         Vertex { x: p.x, y: p.y, z: p.z, nx: n.x, ny: n.y, nz: n.z, w_xx, w_xy, w_xz, w_yy, w_yz, w_zz }
@@ -83,5 +84,5 @@ pub fn write_vertices(folder: &Path, material: &str, mesh: &Mesh, curvature: &[C
         serde_json::to_writer_pretty(&mut *out, &manifest)?;
         std::io::Write::write_all(out, b"\n")
     })?;
-    stage.commit(MANIFEST, &[])
+    stage.commit(MANIFEST, &stale)
 }

@@ -8,11 +8,11 @@ use super::exr::{further, view, write_further, write_lobes, write_map, write_mom
 use super::extra::{ExtraLevel, write_extra};
 use super::manifest::Manifest;
 use super::plan::{self, Content, Plan, Request};
-use super::{MANIFEST, Stage};
+use super::{MANIFEST, Stage, stale};
 use crate::codec::write_png;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::fold::{Chain, Options};
-use crate::material::{Earlier, MapFile, Material, Origin};
+use crate::material::{Extra, MapFile, Material, Origin};
 
 /// Writes all files of a plan and the manifest, side by side. None appears before all are written; then each is renamed
 /// into its place; `done` is called after each.
@@ -28,8 +28,13 @@ pub fn write(
     done: &(dyn Fn() + Sync),
 ) -> Result<()> {
     plan.check(material, request)?;
-    let earlier =
-        Earlier::read(&request.folder).filter(|earlier| earlier.material == material.name).unwrap_or_default();
+    if request.extras.contains(&Extra::Curvature) && material.mesh.is_none() {
+        return Err(Error::invalid_option("curvature map", "no mesh", "a material with a baked mesh"));
+    }
+    let names: Vec<&str> = plan.outputs.iter().map(|output| output.name.as_str()).collect();
+    let input = |name: &String| plan::reads(material, &request.folder.join(name));
+    let mut stale = stale(&request.folder, &material.name, &names);
+    stale.retain(|name| !input(name));
     let stage = Stage::new(&request.folder)?;
     plan.outputs.par_iter().try_for_each(|output| {
         stage.write(&output.name, |out| match output.content {
@@ -53,11 +58,6 @@ pub fn write(
     let manifest = Manifest::new(material, chain, options, plan, request);
     let text = serde_json::to_string_pretty(&manifest).expect("plain data");
     stage.write(MANIFEST, |out| out.write_all(text.as_bytes()).and_then(|()| out.write_all(b"\n")))?;
-    // File systems that ignore case exist.
-    let same = |a: &str, b: &str| a.to_lowercase() == b.to_lowercase();
-    let renewed = |name: &String| same(name, MANIFEST) || plan.outputs.iter().any(|output| same(&output.name, name));
-    let input = |name: &String| plan::reads(material, &request.folder.join(name));
-    let stale: Vec<_> = earlier.files.into_iter().filter(|name| !renewed(name) && !input(name)).collect();
     stage.commit(MANIFEST, &stale)
 }
 

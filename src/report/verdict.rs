@@ -82,6 +82,13 @@ fn order(error: f64) -> f64 {
 /// What the figures say about plain mips and the best chain, at the level where plain mips are furthest from the truth
 /// among those that another chain has as well. A chain whose level 0 is not the surface is named first.
 pub fn verdict(subject: &Subject) -> Verdict {
+    if let Some(mesh) = &subject.material.mesh {
+        let text = format!(
+            "Nothing can be said: the curvature of {} is in these maps, and only the texture was judged.",
+            mesh.about.path
+        );
+        return Verdict::unknown(text, None);
+    }
     // Of a chain of another surface no gain can be told.
     not_this_surface(subject).map_or_else(|| of_levels(subject), |warning| Verdict::unknown(warning, Some(0)))
 }

@@ -26,8 +26,14 @@ fn triangles() -> impl Iterator<Item = [u32; 3]> {
 
 /// The cylinder as text, with or without texture coordinates and normals.
 pub fn obj(path: &Path, uvs: bool, normals: bool) -> PathBuf {
+    sheared(path, uvs, normals, 0.0)
+}
+
+/// The same with a texture that climbs: its u axis rises by `shear` on the way once around.
+pub fn sheared(path: &Path, uvs: bool, normals: bool, shear: f32) -> PathBuf {
     let mut text = String::new();
-    for (p, n, uv) in columns() {
+    for (mut p, n, uv) in columns() {
+        p[2] += shear * uv[0];
         writeln!(text, "v {} {} {}", p[0], p[1], p[2]).unwrap();
         if normals {
             writeln!(text, "vn {} {} {}", n[0], n[1], n[2]).unwrap();
@@ -80,12 +86,16 @@ pub fn glb(path: &Path, materials: serde_json::Value, pictures: &[Vec<u8>]) -> P
             serde_json::json!({ "bufferView": view, "componentType": kind, "count": count, "type": shape })
         })
         .collect();
-    let primitives: Vec<_> = (0..materials.as_array().unwrap().len())
-        .map(|i| {
-            let attributes = serde_json::json!({ "POSITION": 0, "NORMAL": 1, "TEXCOORD_0": 2 });
-            serde_json::json!({ "attributes": attributes, "indices": 3, "material": i })
-        })
-        .collect();
+    // A material's `sets` are those of its primitives' texture coordinates; by default one primitive with the first.
+    let mut primitives = Vec::new();
+    for (i, material) in materials.as_array().unwrap().iter().enumerate() {
+        let sets = material["sets"].as_array().cloned().unwrap_or_else(|| vec![serde_json::json!(["TEXCOORD_0"])]);
+        for set in sets {
+            let mut attributes = serde_json::json!({ "POSITION": 0, "NORMAL": 1 });
+            set.as_array().unwrap().iter().for_each(|name| attributes[name.as_str().unwrap()] = 2.into());
+            primitives.push(serde_json::json!({ "attributes": attributes, "indices": 3, "material": i }));
+        }
+    }
     let textures: Vec<_> = (0..images.len()).map(|i| serde_json::json!({ "source": i })).collect();
     let document = serde_json::json!({
         "asset": { "version": "2.0" },

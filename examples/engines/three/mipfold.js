@@ -6,12 +6,12 @@
 // Run here:    in Chromium with software WebGL, by tests/gpu/tests/engines.rs.
 // Unverified:  hardware GPUs; WebGPURenderer and node materials, which never call onBeforeCompile.
 
-import { ImageLoader, LinearMipmapLinearFilter, RepeatWrapping, REVISION, ShaderChunk, Texture } from 'three';
+import { ImageLoader, LinearMipmapLinearFilter, MirroredRepeatWrapping, RepeatWrapping, REVISION, ShaderChunk, Texture } from 'three';
 
 // A map of `mipfold build`'s folder (an URL with a slash at its end): 'normal' and 'roughness' are those of a material's
 // normalMap and roughnessMap; manifest.json names the others. Mips go to the GPU as they are: three generates none.
-// Browsers give 8 bits of 16-bit PNGs.
-export async function foldedMap( folder, role ) {
+// Browsers give 8 bits of 16-bit PNGs. flipY: false for meshes of GLTFLoader, whose v points down.
+export async function foldedMap( folder, role, flipY = true ) {
 
 	const manifest = await ( await fetch( folder + 'manifest.json' ) ).json();
 	const map = manifest.maps.find( ( map ) => map.role === role && map.container === 'png' );
@@ -22,8 +22,10 @@ export async function foldedMap( folder, role ) {
 	const texture = new Texture( mips[ 0 ] );
 	texture.mipmaps = mips;
 	texture.generateMipmaps = false;
+	texture.flipY = flipY;
 	texture.minFilter = LinearMipmapLinearFilter;
 	if ( manifest.wrap === 'repeat' ) texture.wrapS = texture.wrapT = RepeatWrapping;
+	if ( manifest.wrap === 'mirror' ) texture.wrapS = texture.wrapT = MirroredRepeatWrapping;
 	texture.needsUpdate = true;
 	return texture;
 

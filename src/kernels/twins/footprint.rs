@@ -1,8 +1,8 @@
 //! Twins of `kernels/wgsl/footprint.wgsl`.
 
-use glam::{DVec2, DVec3};
+use glam::{DMat2, DVec2, DVec3};
 
-use super::geometric_aa::{add_kernel_projected, kernel, kernel_clamp};
+use super::geometric_aa::{add_kernel_projected, kernel, kernel_clamp, matrix, tensor};
 use super::moments::{Lobe, bent, tensor_positive};
 use super::shading::specular_ggx_tensor;
 
@@ -40,6 +40,13 @@ pub fn bent_components(n: DVec3, d: DVec3) -> DVec2 {
 /// `(z x dn) x n`.
 pub fn carried_derivative(n: DVec3, dn: DVec3) -> DVec3 {
     DVec3::Z.cross(dn).cross(n)
+}
+
+/// `M k M^T`, with the turns of n for unit turns of the mesh normal as the columns of M.
+pub fn carried_kernel(n: DVec3, k: DVec3) -> DVec3 {
+    let columns = [DVec3::X, DVec3::Y].map(|turn| bent_components(n, carried_derivative(n, turn)));
+    let m = DMat2::from_cols(columns[0], columns[1]);
+    tensor(m * matrix(k) * m.transpose())
 }
 
 /// `w^2 / (12 sigma2)`, at most 1.

@@ -11,8 +11,8 @@ use crate::error::{Error, Result};
 use crate::image::{Size, Wrap};
 use crate::material::further::further_role;
 use crate::material::{
-    ChannelRef, Extra, GENERATOR, Inputs, MANIFEST, Material, NormalRange, NormalY, NormalZ, RoughnessInput, SCHEMA,
-    load_with,
+    ChannelRef, Extra, GENERATOR, Inputs, MANIFEST, Material, MeshAbout, MeshUnder, NormalRange, NormalY, NormalZ,
+    RoughnessInput, SCHEMA, load_with,
 };
 use crate::ndf::{Form, MOST_LOBES, lobes_in_words};
 use crate::roughness::PerceptualRoughness;
@@ -96,6 +96,8 @@ struct Manifest {
     normal_scale: f32,
     wrap: Wrap,
     constant_roughness: Option<f32>,
+    #[serde(default)]
+    mesh: Option<MeshAbout>,
     maps: Vec<Map>,
 }
 
@@ -153,6 +155,12 @@ pub fn read_folder(folder: &Path, container: Option<Container>) -> Result<LevelC
     built.as_given(&mut chain.level_0);
     // Those of reading name options that do not hold here.
     chain.level_0.notes = vec![format!("normals are {}, as the manifest says", built.manifest.normal_y.describe())];
+    if let Some(about) = built.manifest.mesh.clone() {
+        let warning =
+            format!("the curvature of {} is in this chain, but not in its level 0: it is not judged", about.path);
+        chain.level_0.warnings.push(warning);
+        chain.level_0.mesh = Some(MeshUnder { about, added: Vec::new() });
+    }
     (chain.fold, chain.container) = (Some(built.fold()), Some(container));
     Ok(chain)
 }

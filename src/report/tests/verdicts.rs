@@ -3,6 +3,7 @@
 use super::super::{Matters, UNSEEN};
 use super::{Stage, usual};
 use crate::image::Wrap;
+use crate::material::{MeshAbout, MeshUnder};
 use crate::reference::Interpolation;
 
 #[test]
@@ -22,6 +23,15 @@ fn verdict_that_nothing_is_needed() {
     assert_eq!(found.matters, Matters::NotNeeded);
     let text = "This material needs nothing: plain mips stay within 0.032 of the truth at every judged level.";
     assert_eq!(found.text, text);
+}
+
+#[test]
+fn nothing_is_said_of_a_mesh_that_was_not_judged() {
+    let mut stage = usual();
+    let about = MeshAbout { path: "pipe.glb".into(), sha256: String::new(), uv_set: 0, padding: 8, triangles: 12 };
+    stage.material.mesh = Some(MeshUnder { about, added: Vec::new() });
+    let found = stage.verdict();
+    assert!(found.matters == Matters::Unknown && found.text.contains("curvature of pipe.glb"), "{}", found.text);
 }
 
 #[test]

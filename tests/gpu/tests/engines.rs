@@ -270,7 +270,7 @@ fn check(name: &str, language: Language, snippet: &str, call: &str) {
     let worst = |text: &str| error(gpu, language, text).unwrap_or_else(|e| panic!("{name}:\n{e}"));
     let most = worst(&text);
     say(&format!("{name}: within {most:.1e} of the twin, over {QUADS} quads\n"));
-    assert!(most < 2e-4, "{name}");
+    assert!(most < 1e-6, "{name}");
     assert!(worst(&replaced(&text, "alpha * alpha", "alpha")) > 0.1, "{name}: a wrong formula goes unnoticed");
 }
 

@@ -108,6 +108,9 @@ fn lobes_are_carried_along() {
         let e = 1e-6;
         let turned = |e: f64| glam::DQuat::from_rotation_arc(DVec3::Z, (DVec3::Z + e * dn).normalize()) * n;
         assert!((carried_derivative(n, dn) - (turned(e) - turned(-e)) / (2.0 * e)).length() < 1e-8);
+        let moved = bent_components(n, carried_derivative(n, dn));
+        let kernel = |d: DVec2| DVec3::new(d.x * d.x, d.x * d.y, d.y * d.y);
+        assert!((carried_kernel(n, kernel(dn.truncate())) - kernel(moved)).length() < 1e-12);
     }
 }
 

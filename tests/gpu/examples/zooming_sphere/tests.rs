@@ -174,7 +174,9 @@ fn conventions_do_not_show() {
         }
         for (name, other) in others {
             let error = beside(&draw(&renderer, other, 60, way), &expected).error;
-            assert!(error < 0.1, "{name}, {way:?}: {error}");
+            // Only the rounding of other bits and of rebuilt z shows.
+            let bound = if name == "two channels" || name == "16 bits" { 0.1 } else { 0.04 };
+            assert!(error < bound, "{name}, {way:?}: {error}");
         }
         // And a convention that is wrong does show.
         let wrong = Material { y_up: false, ..gl.clone() };

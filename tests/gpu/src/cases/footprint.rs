@@ -78,6 +78,12 @@ pub fn cases() -> Vec<Case> {
             bound: Bound { absolute: 3e-8, ..ROUNDING },
         },
         Case {
+            name: "mf_carried_kernel",
+            inputs: with_tensor_at(tensor(Sweep::new(2000).hemisphere()).inputs(), 3),
+            twin: |a| twins::carried_kernel(v3(a, 0), v3(a, 3)).to_array().into(),
+            bound: Bound { absolute: 2e-7, ..ROUNDING },
+        },
+        Case {
             name: "mf_folded_share",
             inputs: Sweep::new(300).linear(0.0, 0.5).one_of(&[0.0, 0.3, 1.0, 2.0]).inputs(),
             twin: |a| vec![twins::folded_share(a[0], a[1])],
