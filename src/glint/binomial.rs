@@ -115,8 +115,14 @@ pub(super) fn ratio(p: &Probe) -> f64 {
     let grids = [Grid::new(p, level), Grid::new(p, level + 1)];
     let shares = [1.0 - share, share];
     // Flakes per area and chart that leave the variance of independent flakes, (1 + variation^2) / N_eff.
-    let variance: f64 = grids.iter().zip(shares).map(|(grid, share)| share * share * grid.variance()).sum();
-    let density = p.kernel.area() * variance / (1.0 + p.variation2);
-    let g: f64 = grids.iter().zip(shares).map(|(grid, share)| share * grid.ratio(p, density * p.area)).sum();
+    // Smooth counts keep a share of it that depends on their mean; two rounds find it to a thousandth.
+    let [fine, coarse] = [0, 1].map(|n| shares[n] * shares[n] * grids[n].variance());
+    let (per_flake, area) = (n_eff / (1.0 + p.variation2), grids[0].side * grids[0].side);
+    let mut mean = per_flake * (fine + coarse);
+    for _ in 0..2 {
+        let kept = |cells: f64| SmoothPoisson::variance_share(mean * area * cells);
+        mean = per_flake * (fine * kept(1.0) + coarse * kept(4.0));
+    }
+    let g: f64 = grids.iter().zip(shares).map(|(grid, share)| share * grid.ratio(p, mean)).sum();
     1.0 + (2.0 - 2.0 * n_eff / SMOOTH).min(1.0) * (g - 1.0)
 }
