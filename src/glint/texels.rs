@@ -8,8 +8,8 @@
 //! D(h) = integral W(u) D_n(u)(h) / n_z(u) du,     integral D(h) h_z dh = 1
 //! ```
 //!
-//! with W the pixel's kernel ([`Footprint`]), n(u) the interpolated normal, `D_n` the GGX lobe about n, and `1 / n_z`
-//! the area of surface over an area of texture.
+//! with W the pixel's kernel ([`Footprint`]), n(u) the interpolated normal, `D_n` the GGX lobe about n, and `1 / n_z` the
+//! area of surface over an area of texture (that of the lobe's ellipsoid, to be exact: [`element`]).
 //!
 //! Slopes are interpolated, not normals: `N = (-s, 1)` is then linear over a triangle of texels and is what the
 //! integrals below want; the mean over a footprint is the mean slope of the mip chain; and a block's slopes stay within

@@ -1,7 +1,9 @@
 //! GGX lobes integrated over a piece of the map, for one half vector.
 //!
 //! In a frame whose third axis is h, let `N = (-s, 1)` be a normal of length `1 / n_z`, p its coordinates and
-//! `V = (p.x / alpha, p.y / alpha, p.z)`. Then `D_n(h) / n_z = |N|^5 / (pi alpha^2 |V|^4)`. Over a triangle of area A on
+//! `V = (p.x / alpha, p.y / alpha, p.z)`. Then `D_n(h) = |N|^4 / (pi alpha^2 |V|^4)`. An area of the map with this normal
+//! has `1 / n_z` of surface, or rather, for microfacets that reach past the horizon, `1 / sqrt(n_z^2 + alpha^2 (1 - n_z^2))`:
+//! the projected area of their ellipsoid (Heitz et al. 2015), with which `integral D h_z dh` is 1 exactly. Over a triangle of area A on
 //! which N is linear in the position, so is V, and its solid angle is `det / |V|^3` times that of the barycentric
 //! coordinates, with det that of the three V. A weight that is linear too, `g = w . V`, leaves
 //!
@@ -10,7 +12,7 @@
 //! ```
 //!
 //! and the last integral is w times the vector irradiance of the spherical triangle, half the sum over its edges of the
-//! arc times the edge's unit normal (Lambert; Arvo 1994). The weight is kernel times `|N|^5`, taken at the corners.
+//! arc times the edge's unit normal (Lambert; Arvo 1994). The weight, kernel times `|N|^4` and area, is taken at the corners.
 
 use std::f64::consts::FRAC_1_PI;
 
@@ -22,19 +24,19 @@ const SMALL: f64 = 0.04;
 /// width and keeps the digits of the division by the squared determinant.
 const FLATTEST: f64 = 3e-5;
 
-/// `D_n(h) / n_z` for a normal with coordinates p; `inverse` is 1 / alpha.
+/// The lobe at h, over the map's area, of a normal with coordinates p; `inverse` is 1 / alpha.
 #[inline]
 pub(super) fn lobe(p: DVec3, inverse: f64) -> f64 {
-    let (flat, inverse2) = (p.x * p.x + p.y * p.y, inverse * inverse);
-    let (n2, v2) = (flat + p.z * p.z, flat * inverse2 + p.z * p.z);
-    FRAC_1_PI * inverse2 * n2 * n2 * n2.sqrt() / (v2 * v2)
+    let inverse2 = inverse * inverse;
+    let v2 = (p.x * p.x + p.y * p.y) * inverse2 + p.z * p.z;
+    FRAC_1_PI * inverse2 * share(p, inverse) / (v2 * v2)
 }
 
-/// `|N|^5`.
+/// `|N|^4` and surface over the map's area.
 #[inline]
-fn fifth(p: DVec3) -> f64 {
+pub(super) fn share(p: DVec3, inverse: f64) -> f64 {
     let n2 = p.length_squared();
-    n2 * n2 * n2.sqrt()
+    n2 * n2 * (n2 / (1.0 + (n2 - 1.0) / (inverse * inverse))).sqrt()
 }
 
 /// Arc between two directions times the unit normal of their plane.
@@ -46,21 +48,22 @@ fn arc(a: DVec3, b: DVec3) -> DVec3 {
 }
 
 /// Mean over a square piece with these corners (x first) of kernel times lobe, as four triangles about its middle.
-/// `weights` are the kernel at the corners and in the middle.
-pub(super) fn fan(corners: &[DVec3; 4], weights: &[f64; 5], inverse: f64) -> f64 {
+/// `kernel` is taken at the corners and in the middle, and the weight scaled to the mean that it has at other nodes.
+pub(super) fn fan(corners: &[DVec3; 4], kernel: &[f64; 5], mean: f64, inverse: f64) -> f64 {
     let middle = 0.25 * (corners[0] + corners[1] + corners[2] + corners[3]);
     let stretch = |p: DVec3| DVec3::new(p.x * inverse, p.y * inverse, p.z);
     // Around: 0 1 3 2.
-    let ring = [0, 1, 3, 2].map(|k| (stretch(corners[k]), weights[k] * fifth(corners[k])));
-    let centre = (stretch(middle), weights[4] * fifth(middle));
+    let ring = [0, 1, 3, 2].map(|k| (stretch(corners[k]), kernel[k] * share(corners[k], inverse)));
+    let centre = (stretch(middle), kernel[4] * share(middle, inverse));
     let spokes = ring.map(|(v, _)| arc(centre.0, v));
+    let linear = (ring[0].1 + ring[1].1 + ring[2].1 + ring[3].1) / 6.0 + centre.1 / 3.0;
     let mut sum = 0.0;
     for k in 0..4 {
         let next = (k + 1) % 4;
         let around = || spokes[k] + arc(ring[k].0, ring[next].0) - spokes[next];
         sum += triangle([centre, ring[k], ring[next]], around);
     }
-    0.25 * FRAC_1_PI * inverse * inverse * sum
+    0.25 * FRAC_1_PI * inverse * inverse * sum * (mean / linear)
 }
 
 /// Mean over a triangle of `g / |V|^4`, from V and g at its corners. `around` is the sum over its edges.

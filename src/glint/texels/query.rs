@@ -2,29 +2,9 @@
 
 use glam::{DVec2, DVec3, Vec2};
 
-use super::element::{fan, lobe};
+use super::element::{fan, lobe, share};
 use super::{Block, Footprint, Pyramid, SlopeMap};
 
-/// Longest side of a piece, over the shorter radius of the kernel, on which the kernel is taken as linear.
-const KERNEL_LINEAR: f64 = 0.25;
-/// The same where it is taken at Gauss nodes.
-const KERNEL_NODES: f64 = 0.36;
-/// The same for a block that its moments stand for.
-const KERNEL_BLOCK: f64 = 0.25;
-/// Largest squared extent of a piece, in widths of the lobe at its distance, that Gauss nodes do for.
-const EXTENT_NODES: f64 = 0.36;
-/// The same for the moments of a block.
-const EXTENT_BLOCK: f64 = 0.1;
-/// `1 + d^2` for a distance of d widths from which the lobe's tail, less than 1e-4 of its peak, need not be resolved,
-const FAR: f64 = 101.0;
-/// and how much larger the squared extent may then be, over `1 + d^2`.
-const EXTENT_FAR: f64 = 4.0;
-/// The same for the moments of a block.
-const EXTENT_FAR_BLOCK: f64 = 1.0;
-/// Departure of a piece from its triangles, in widths of the lobe at its distance.
-const TWIST: f64 = 0.05;
-/// Ratio of the squared lengths of N within a piece up to which `|N|^5` is taken as linear.
-const STEEPENING: f64 = 1.18;
 /// Halvings of a cell.
 const DEEPEST: usize = 12;
 
@@ -61,7 +41,7 @@ impl std::ops::AddAssign for Visits {
     }
 }
 
-/// How a query goes about it: all on, but for tests that compare.
+/// How a query goes about it. Tests compare others with [`Ways::BEST`].
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Ways {
     /// Blocks out of reach are not entered.
@@ -70,6 +50,48 @@ pub(super) struct Ways {
     pub(super) moments: bool,
     /// Pieces narrower in position than in slope are integrated in closed form, not divided until points do.
     pub(super) closed: bool,
+    /// Longest side of a piece, over the shorter radius of the kernel, on which the kernel is taken as linear.
+    pub(super) kernel_linear: f64,
+    /// The same where it is taken at Gauss nodes.
+    pub(super) kernel_nodes: f64,
+    /// The same for a block that its moments stand for.
+    pub(super) kernel_block: f64,
+    /// Largest squared extent of a piece, in widths of the lobe at its distance, that Gauss nodes do for.
+    pub(super) extent_nodes: f64,
+    /// The same for the moments of a block.
+    pub(super) extent_block: f64,
+    /// `1 + d^2` for a distance of d widths from which the tail of the lobe need not be resolved,
+    pub(super) far: f64,
+    /// how much larger the squared extent of a piece may then be, over `1 + d^2`,
+    pub(super) extent_nodes_far: f64,
+    /// and that of a block.
+    pub(super) extent_block_far: f64,
+    /// Departure of a piece from its triangles, in widths of the lobe at its distance.
+    pub(super) twist: f64,
+    /// Ratio of the squared lengths of N within a piece up to which their powers are taken as linear.
+    pub(super) steepening: f64,
+    /// Ratio of the widths within a piece up to which it has one.
+    pub(super) widening: f64,
+}
+
+impl Ways {
+    /// Errors in balance.
+    pub(super) const BEST: Self = Self {
+        prune: true,
+        moments: true,
+        closed: true,
+        kernel_linear: 0.25,
+        kernel_nodes: 0.36,
+        kernel_block: 0.25,
+        extent_nodes: 0.36,
+        extent_block: 0.1,
+        far: 101.0,
+        extent_nodes_far: 4.0,
+        extent_block_far: 1.0,
+        twist: 0.04,
+        steepening: 1.1,
+        widening: 1.1,
+    };
 }
 
 /// A half vector and all that is asked about it.
@@ -90,7 +112,8 @@ struct Piece {
     p: [DVec3; 4],
     centre: DVec2,
     half: f64,
-    inverse: f64,
+    /// Widths of the lobe at the corners.
+    alpha: [f64; 4],
 }
 
 /// Where normals lie, in widths of the lobe.
@@ -121,8 +144,8 @@ impl Range {
 
     /// Whether points stand for these normals.
     #[inline]
-    fn few(&self, extent: f64, far: f64) -> bool {
-        self.extent <= extent * self.near || (self.near > FAR && self.extent <= far * self.near)
+    fn few(&self, far: f64, extent: [f64; 2]) -> bool {
+        self.extent <= self.near * if self.near > far { extent[1] } else { extent[0] }
     }
 }
 
@@ -141,8 +164,7 @@ impl<'a> Query<'a> {
             Tails::Kept => f64::INFINITY,
             Tails::Cut(reach) => 1.0 + reach * reach,
         };
-        let ways = Ways { prune: true, moments: true, closed: true };
-        Some(Self { map, pyramid, footprint, frame: [x, y, h], cut, ways, visits: Visits::default() })
+        Some(Self { map, pyramid, footprint, frame: [x, y, h], cut, ways: Ways::BEST, visits: Visits::default() })
     }
 
     /// D(h), and what was visited.
@@ -199,13 +221,13 @@ impl<'a> Query<'a> {
         if self.ways.prune && range.near > self.cut {
             return 0.0;
         }
-        let side = 2.0 * half.max_element() * self.footprint.inverse_minor;
+        let (side, ways) = (2.0 * half.max_element() * self.footprint.inverse_minor, &self.ways);
         // Cells of other widths have other cuts too.
         let even = alpha[1] <= 1.02 * alpha[0];
-        if self.ways.moments
+        if ways.moments
             && even
-            && side <= KERNEL_BLOCK
-            && range.few(EXTENT_BLOCK, EXTENT_FAR_BLOCK)
+            && side <= ways.kernel_block
+            && range.few(ways.far, [ways.extent_block, ways.extent_block_far])
             && range.within(self.cut)
         {
             return self.moments(block, centre, half);
@@ -261,40 +283,34 @@ impl<'a> Query<'a> {
         }
         self.visits.texels += 1;
         let p = self.map.cell(x, y).map(|s| self.seen(s.as_dvec2()));
-        let widths = self.map.widths(x, y).map(f64::from);
-        let widest = widths.into_iter().fold(0.0, f64::max);
+        let alpha = self.map.widths(x, y).map(f64::from);
+        let widest = alpha.into_iter().fold(0.0, f64::max);
         if Range::new(&p, 1.0 / widest).near > self.cut {
             return 0.0;
         }
-        let inverse = 4.0 / widths.iter().sum::<f64>();
-        self.piece(Piece { p, centre, half: 0.5, inverse }, 0)
+        self.piece(Piece { p, centre, half: 0.5, alpha }, 0)
     }
 
     /// Integral over a piece of a cell.
     fn piece(&mut self, piece: Piece, depth: usize) -> f64 {
-        let Piece { p, centre, half, inverse } = &piece;
-        let range = Range::new(p, *inverse);
+        let Piece { p, centre, half, alpha } = &piece;
+        let (mean, uneven) = widths(alpha, self.ways.widening);
+        let (range, ways) = (Range::new(p, 1.0 / mean), &self.ways);
         let side = 2.0 * half * self.footprint.inverse_minor;
-        if side <= KERNEL_NODES && range.few(EXTENT_NODES, EXTENT_FAR) || depth == DEEPEST {
-            return self.points(&piece);
+        let few = range.few(ways.far, [ways.extent_nodes, ways.extent_nodes_far]);
+        if (!uneven && side <= ways.kernel_nodes && few) || depth == DEEPEST {
+            return self.points(&piece, mean);
         }
-        if self.ways.closed && side <= KERNEL_LINEAR && self.straight(&piece, &range) {
-            return self.triangles(&piece);
+        if ways.closed && !uneven && side <= ways.kernel_linear && self.straight(&piece, mean, &range) {
+            return self.triangles(&piece, mean);
         }
-        let middle = 0.25 * (p[0] + p[1] + p[2] + p[3]);
-        let edge = |a: usize, b: usize| 0.5 * (p[a] + p[b]);
-        let (above, left, right, below) = (edge(0, 1), edge(0, 2), edge(1, 3), edge(2, 3));
-        let quarters = [
-            ([p[0], above, left, middle], DVec2::new(-0.5, -0.5)),
-            ([above, p[1], middle, right], DVec2::new(0.5, -0.5)),
-            ([left, middle, p[2], below], DVec2::new(-0.5, 0.5)),
-            ([middle, right, below, p[3]], DVec2::new(0.5, 0.5)),
-        ];
+        let (p, alpha) = (quarters(p, |a, b| 0.5 * (a + b)), quarters(alpha, |a, b| 0.5 * (a + b)));
+        let half = 0.5 * half;
         let mut sum = 0.0;
-        for (p, to) in quarters {
-            let (centre, half) = (*centre + to * *half, 0.5 * half);
+        for (k, to) in [(-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0)].into_iter().enumerate() {
+            let centre = *centre + DVec2::from(to) * half;
             if !self.footprint.misses(centre, DVec2::splat(half)) {
-                sum += self.piece(Piece { p, centre, half, inverse: *inverse }, depth + 1);
+                sum += self.piece(Piece { p: p[k], centre, half, alpha: alpha[k] }, depth + 1);
             }
         }
         sum
@@ -302,52 +318,66 @@ impl<'a> Query<'a> {
 
     /// Whether four triangles about its middle stand for a piece.
     #[inline]
-    fn straight(&self, piece: &Piece, range: &Range) -> bool {
-        let p = &piece.p;
-        let twist = (p[0] - p[1] - p[2] + p[3]).length() * piece.inverse / 16.0;
+    fn straight(&self, piece: &Piece, alpha: f64, range: &Range) -> bool {
+        let (p, ways) = (&piece.p, &self.ways);
+        let twist = (p[0] - p[1] - p[2] + p[3]).length() / (16.0 * alpha);
         let steep = p.map(|p| p.length_squared());
         let (least, most) = (steep[0].min(steep[1]).min(steep[2].min(steep[3])), steep.into_iter().fold(0.0, f64::max));
-        twist * twist <= TWIST * TWIST * range.near && (most <= STEEPENING * least || range.near > FAR)
+        twist * twist <= ways.twist * ways.twist * range.near && (most <= ways.steepening * least || range.near > ways.far)
     }
 
     /// Kernel and lobe at Gauss nodes.
-    fn points(&mut self, piece: &Piece) -> f64 {
-        let Piece { p, centre, half, inverse } = piece;
+    fn points(&mut self, piece: &Piece, alpha: f64) -> f64 {
         self.visits.points += 1;
+        self.mean(piece, |p| lobe(p, 1.0 / alpha)) * 4.0 * piece.half * piece.half
+    }
+
+    /// Mean of the kernel times something, at Gauss nodes.
+    #[inline]
+    fn mean(&self, piece: &Piece, of: impl Fn(DVec3) -> f64) -> f64 {
         // The nodes of -1/2..1/2, as shares of the far corner along each axis.
         const NEAR: f64 = 0.211_324_865_405_187_1;
         const WITH: f64 = 1.0 - NEAR;
-        let rows = [p[0] * WITH + p[2] * NEAR, p[1] * WITH + p[3] * NEAR, p[0] * NEAR + p[2] * WITH, p[1] * NEAR + p[3] * WITH];
-        let at = [
-            rows[0] * WITH + rows[1] * NEAR,
-            rows[0] * NEAR + rows[1] * WITH,
-            rows[2] * WITH + rows[3] * NEAR,
-            rows[2] * NEAR + rows[3] * WITH,
-        ];
-        let nodes = Footprint::nodes(*centre, DVec2::splat(*half));
+        let p = &piece.p;
+        let upper = [p[0] * WITH + p[2] * NEAR, p[1] * WITH + p[3] * NEAR];
+        let lower = [p[0] * NEAR + p[2] * WITH, p[1] * NEAR + p[3] * WITH];
+        let along = |[a, b]: [DVec3; 2]| [a * WITH + b * NEAR, a * NEAR + b * WITH];
+        let at = [along(upper), along(lower)];
         let mut sum = 0.0;
-        for k in 0..4 {
-            let kernel = self.footprint.at(nodes[k]);
+        for (node, p) in Footprint::nodes(piece.centre, DVec2::splat(piece.half)).iter().zip(at.as_flattened()) {
+            let kernel = self.footprint.at(*node);
             if kernel > 0.0 {
-                sum += kernel * lobe(at[k], *inverse);
+                sum += kernel * of(*p);
             }
         }
-        half * half * sum
+        0.25 * sum
     }
 
-    /// The closed form, its kernel linear over four triangles and scaled to the kernel's own mean.
-    fn triangles(&mut self, piece: &Piece) -> f64 {
-        let Piece { p, centre, half, inverse } = piece;
-        let nodes = Footprint::nodes(*centre, DVec2::splat(*half));
-        let mean = 0.25 * nodes.iter().map(|x| self.footprint.at(*x)).sum::<f64>();
+    /// The closed form, its kernel linear over four triangles.
+    fn triangles(&mut self, piece: &Piece, alpha: f64) -> f64 {
+        let Piece { p, centre, half, .. } = piece;
+        let mean = self.mean(piece, |p| share(p, 1.0 / alpha));
         let corner = |x: f64, y: f64| self.footprint.at(*centre + DVec2::new(x, y) * *half);
-        let weights =
-            [corner(-1.0, -1.0), corner(1.0, -1.0), corner(-1.0, 1.0), corner(1.0, 1.0), self.footprint.at(*centre)];
-        let linear = (weights[0] + weights[1] + weights[2] + weights[3]) / 6.0 + weights[4] / 3.0;
-        if mean == 0.0 || linear == 0.0 {
-            return self.points(piece);
+        let kernel = [corner(-1.0, -1.0), corner(1.0, -1.0), corner(-1.0, 1.0), corner(1.0, 1.0), corner(0.0, 0.0)];
+        if mean == 0.0 || kernel == [0.0; 5] {
+            return self.points(piece, alpha);
         }
         self.visits.closed += 1;
-        4.0 * half * half * fan(p, &weights, *inverse) * (mean / linear)
+        4.0 * half * half * fan(p, &kernel, mean, 1.0 / alpha)
     }
+}
+
+/// Mean of widths, and whether their ratio is above a limit.
+#[inline]
+fn widths(alpha: &[f64; 4], ratio: f64) -> (f64, bool) {
+    let (least, most) = (alpha[0].min(alpha[1]).min(alpha[2].min(alpha[3])), alpha.iter().copied().fold(0.0, f64::max));
+    (0.25 * alpha.iter().sum::<f64>(), most > ratio * least)
+}
+
+/// Corner values of the four quarters of a bilinear piece, from those of the piece.
+#[inline]
+fn quarters<T: Copy>(v: &[T; 4], mid: impl Fn(T, T) -> T) -> [[T; 4]; 4] {
+    let (above, left, right, below) = (mid(v[0], v[1]), mid(v[0], v[2]), mid(v[1], v[3]), mid(v[2], v[3]));
+    let middle = mid(above, below);
+    [[v[0], above, left, middle], [above, v[1], middle, right], [left, middle, v[2], below], [middle, right, below, v[3]]]
 }

@@ -10,7 +10,8 @@ mod pruning;
 
 use glam::{DMat2, DVec2, DVec3};
 
-use super::{AlphaSource, TexelGlints};
+use super::query::{Query, Ways};
+use super::{AlphaSource, Footprint, TexelGlints, Visits};
 use crate::roughness::Alpha;
 
 /// Unit vector of a slope `-h.xy / h.z`.
@@ -26,4 +27,15 @@ fn jacobian((along, across): (f64, f64), angle: f64, (columns, rows): (usize, us
 
 fn glints(normals: &ndarray::Array3<f32>, alpha: f32) -> TexelGlints {
     TexelGlints::new(normals, AlphaSource::Constant(Alpha(alpha))).unwrap()
+}
+
+/// D by another way than the usual.
+fn ask(glints: &TexelGlints, footprint: &Footprint, h: DVec3, ways: Ways) -> (f64, Visits) {
+    match Query::new(&glints.slopes, &glints.pyramid, footprint, h, glints.tails) {
+        Some(mut query) => {
+            query.ways = ways;
+            query.evaluate()
+        }
+        None => Default::default(),
+    }
 }

@@ -2,6 +2,7 @@ use std::f64::consts::PI;
 
 use glam::{DVec2, DVec3};
 use ndarray::Array2;
+use rayon::prelude::*;
 
 use super::brute::Brute;
 use super::*;
@@ -12,7 +13,7 @@ struct Compared {
     l1: f64,
     /// Largest |difference| over the largest truth.
     worst: f64,
-    /// Largest |difference| over the truth at the same point.
+    /// Largest |difference| over the truth at the same point, where that is over 1e-3 of the largest.
     relative: f64,
 }
 
@@ -20,25 +21,26 @@ fn compared(glints: &TexelGlints, width: (f64, f64), centre: DVec2, reach: f64, 
     let uv = DVec2::new(0.371, 0.582);
     let j = jacobian(width, 0.4, glints.slopes().size());
     let brute = Brute::new(glints, uv, j, per_texel);
-    let grid = |k: i32| (k as f64 + 0.31) / 6.0 * reach;
+    let grid = |k: i32| (k as f64 + 0.31) / 4.0 * reach;
     let half: Vec<DVec3> =
-        (-6..6).flat_map(|y| (-6..6).map(move |x| half_vector(centre + DVec2::new(grid(x), grid(y))))).collect();
-    let (mut off, mut sum, mut most, mut worst, mut relative) = (0.0, 0.0, 0.0f64, 0.0f64, 0.0f64);
-    for (d, h) in glints.ndf_many(uv, j, &half).into_iter().zip(&half) {
-        let truth = brute.ndf(*h);
+        (-4..4).flat_map(|y| (-4..4).map(move |x| half_vector(centre + DVec2::new(grid(x), grid(y))))).collect();
+    let truth: Vec<f64> = half.iter().map(|h| brute.ndf(*h)).collect();
+    let (sum, most) = (truth.iter().sum::<f64>(), truth.iter().copied().fold(0.0, f64::max));
+    let (mut off, mut worst, mut relative) = (0.0, 0.0f64, 0.0f64);
+    for (d, truth) in glints.ndf_many(uv, j, &half).into_iter().zip(truth) {
         off += (d - truth).abs();
-        sum += truth;
-        most = most.max(truth);
         worst = worst.max((d - truth).abs());
-        relative = relative.max((d - truth).abs() / truth);
+        if truth > 1e-3 * most {
+            relative = relative.max((d - truth).abs() / truth);
+        }
     }
     Compared { l1: off / sum, worst: worst / most, relative }
 }
 
 /// Samples along a texel that resolve slopes which change by `steepness` a texel.
 fn dense(alpha: f32, steepness: f64, width: f64) -> usize {
-    let fit = (6.0 * steepness / f64::from(alpha)).max(12.0);
-    (fit.min(6000.0 / (3.0 * width)).ceil()) as usize
+    let fit = (3.0 * steepness / f64::from(alpha)).max(12.0);
+    (fit.min(800.0 / width).ceil()) as usize
 }
 
 #[test]
@@ -61,7 +63,7 @@ fn agrees_with_brute_force() {
             let glints = glints(&map, alpha);
             let c = compared(&glints, width, DVec2::ZERO, steepness * 1.5, dense(alpha, steepness, width.0));
             println!("{name:9} alpha {alpha:5} {width:?}: L1 {:.1e} worst {:.1e} relative {:.1e}", c.l1, c.worst, c.relative);
-            assert!(c.l1 < 0.01 && c.worst < 0.02 && c.relative < 0.3, "{name} {alpha} {width:?}");
+            assert!(c.l1 < 0.01 && c.worst < 0.01 && c.relative < 0.2, "{name} {alpha} {width:?}");
         }
     }
 }
@@ -98,8 +100,9 @@ fn a_flat_map_is_one_lobe() {
                 for d in [0.0, 0.3, 1.0, 4.0, 20.0] {
                     let h = half_vector(slope + d * f64::from(alpha) * DVec2::new(0.6, 0.8));
                     let (cos2, sin2, a2) = (n.dot(h).powi(2), n.cross(h).length_squared(), f64::from(alpha).powi(2));
-                    let truth = a2 / (PI * (cos2 * a2 + sin2).powi(2)) / n.z;
+                                        let area = (n.z * n.z + a2 * (1.0 - n.z * n.z)).sqrt();
                     let d = glints.ndf(DVec2::new(0.2, 0.9), jacobian((width, 0.7 * width), 1.0, (16, 16)), h);
+                    let truth = a2 / (PI * (cos2 * a2 + sin2).powi(2)) / area;
                     worst = worst.max((d / truth - 1.0).abs());
                 }
             }
@@ -110,7 +113,8 @@ fn a_flat_map_is_one_lobe() {
 }
 
 /// Integral of D cos over the upper hemisphere, by rings about the normals' middle in an equal-area chart of a wide lobe.
-fn energy(glints: &TexelGlints, uv: DVec2, j: glam::DMat2, spread: f64, (rings, turns): (usize, usize)) -> f64 {
+fn energy(glints: &TexelGlints, uv: DVec2, j: glam::DMat2, ways: Ways, (rings, turns): (usize, usize)) -> f64 {
+    let spread = 0.2;
     // Slopes distributed as a GGX lobe of width `spread`: the integrand is even over them.
     let nodes: Vec<(DVec3, f64)> = (0..rings)
         .flat_map(|i| {
@@ -125,9 +129,8 @@ fn energy(glints: &TexelGlints, uv: DVec2, j: glam::DMat2, spread: f64, (rings, 
             })
         })
         .collect();
-    let half: Vec<DVec3> = nodes.iter().map(|(h, _)| *h).collect();
-    let d = glints.ndf_many(uv, j, &half);
-    d.iter().zip(&nodes).map(|(d, (_, w))| d * w).sum::<f64>() / nodes.len() as f64
+    let footprint = glints.footprint(uv, j).unwrap();
+    nodes.par_iter().map(|(h, w)| w * ask(glints, &footprint, *h, ways).0).sum::<f64>() / nodes.len() as f64
 }
 
 #[test]
@@ -135,10 +138,10 @@ fn energy_is_whole() {
     for (name, map) in
         [("bumps", maps::bumps(64, 0.15)), ("spikes", maps::spikes(64, 0.25)), ("scratches", maps::scratches(64, 0.3))]
     {
-        for (alpha, width) in [(0.05, 1.0), (0.05, 4.0), (0.1, 16.0), (0.3, 16.0)] {
+        for (alpha, width) in [(0.05, 4.0), (0.1, 16.0), (0.3, 1.0)] {
             let glints = glints(&map, alpha);
             let j = jacobian((width, 0.6 * width), 0.7, (64, 64));
-            let e = energy(&glints, DVec2::new(0.41, 0.77), j, 0.2, (160, 200));
+            let e = energy(&glints, DVec2::new(0.41, 0.77), j, Ways::BEST, (60, 80));
             println!("{name:9} alpha {alpha:4} width {width:4}: energy {e:.5}");
             assert!((e - 1.0).abs() < 1e-3, "{name} alpha {alpha} width {width}: {e}");
         }

@@ -11,7 +11,7 @@ pub struct Brute(Vec<Sample>);
 struct Sample {
     normal: DVec3,
     alpha: f64,
-    /// Kernel over `n_z`.
+    /// Kernel over the projected area of the lobe's ellipsoid.
     weight: f64,
 }
 
@@ -48,7 +48,8 @@ impl Brute {
                     let (s, alpha) = slope(glints, x);
                     let length = (1.0 + s.length_squared()).sqrt();
                     let normal = DVec3::new(-s.x, -s.y, 1.0) / length;
-                    samples.push(Sample { normal, alpha, weight: w * step * step * length });
+                    let area = (normal.z.powi(2) + alpha * alpha * (1.0 - normal.z.powi(2))).sqrt();
+                    samples.push(Sample { normal, alpha, weight: w * step * step / area });
                 }
             }
             samples
@@ -60,7 +61,8 @@ impl Brute {
         self.0.par_iter().map(|s| s.weight * ggx(s.normal, h, s.alpha)).sum()
     }
 
-    pub fn samples(&self) -> usize {
+    /// Samples under the kernel.
+    pub fn len(&self) -> usize {
         self.0.len()
     }
 }
