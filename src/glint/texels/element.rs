@@ -85,7 +85,13 @@ fn triangle([(a, ga), (b, gb), (c, gc)]: [(DVec3, f64); 3], around: impl Fn() ->
     let normals = [b.cross(c), c.cross(a), a.cross(b)];
     let sizes = normals.map(|n| n.length_squared());
     let det = a.dot(normals[0]);
-    let longest = if sizes[0] >= sizes[1].max(sizes[2]) { 0 } else if sizes[1] >= sizes[2] { 1 } else { 2 };
+    let longest = if sizes[0] >= sizes[1].max(sizes[2]) {
+        0
+    } else if sizes[1] >= sizes[2] {
+        1
+    } else {
+        2
+    };
     let corner = [a, b, c][longest];
     if sizes[longest] <= 1e-20 * nearest * nearest {
         return few();

@@ -31,7 +31,7 @@ pub struct Footprint {
     /// Half the sides of the ellipse's box.
     pub(super) half: DVec2,
     /// From texels to the unit disc.
-    unit: DMat2,
+    pub(super) unit: DMat2,
     /// Over the shorter radius.
     pub(super) inverse_minor: f64,
     peak: f64,
@@ -77,9 +77,14 @@ impl Footprint {
         self.width
     }
 
-    /// The kernel at a point, per texel.
+    /// Its centre, and half the sides of its box, in texel coordinates.
+    pub fn bounds(&self) -> (DVec2, DVec2) {
+        (self.centre, self.half)
+    }
+
+    /// The kernel at a point in texel coordinates, per texel: its integral over them is 1.
     #[inline]
-    pub(super) fn at(&self, x: DVec2) -> f64 {
+    pub fn at(&self, x: DVec2) -> f64 {
         let rest = (1.0 - (self.unit * (x - self.centre)).length_squared()).max(0.0);
         self.peak * rest * rest
     }

@@ -6,9 +6,8 @@ use ndarray::Array3;
 use super::SlopeMap;
 
 /// Channels of [`Level::planes`].
-pub const BLOCK_CHANNELS: [&str; 11] = [
-    "min.x", "min.y", "max.x", "max.y", "mean.x", "mean.y", "cov.xx", "cov.xy", "cov.yy", "alpha.min", "alpha.max",
-];
+pub const BLOCK_CHANNELS: [&str; 11] =
+    ["min.x", "min.y", "max.x", "max.y", "mean.x", "mean.y", "cov.xx", "cov.xy", "cov.yy", "alpha.min", "alpha.max"];
 
 /// The slopes over a block of cells, bilinear between texels.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -48,8 +47,7 @@ pub struct Pyramid {
 fn cell(map: &SlopeMap, x: usize, y: usize) -> Block {
     let (s, a) = (map.cell(x, y), map.widths(x, y));
     // Bilinear: mean + gx X + gy Y + q X Y over -1/2..1/2, whose parts are uncorrelated.
-    let (gx, gy, q) =
-        (0.5 * (s[1] + s[3] - s[0] - s[2]), 0.5 * (s[2] + s[3] - s[0] - s[1]), s[0] - s[1] - s[2] + s[3]);
+    let (gx, gy, q) = (0.5 * (s[1] + s[3] - s[0] - s[2]), 0.5 * (s[2] + s[3] - s[0] - s[1]), s[0] - s[1] - s[2] + s[3]);
     let cov = |i: usize, j: usize| (gx[i] * gx[j] + gy[i] * gy[j]) / 12.0 + q[i] * q[j] / 144.0;
     Block {
         min: s[0].min(s[1]).min(s[2]).min(s[3]),

@@ -323,7 +323,8 @@ impl<'a> Query<'a> {
         let twist = (p[0] - p[1] - p[2] + p[3]).length() / (16.0 * alpha);
         let steep = p.map(|p| p.length_squared());
         let (least, most) = (steep[0].min(steep[1]).min(steep[2].min(steep[3])), steep.into_iter().fold(0.0, f64::max));
-        twist * twist <= ways.twist * ways.twist * range.near && (most <= ways.steepening * least || range.near > ways.far)
+        twist * twist <= ways.twist * ways.twist * range.near
+            && (most <= ways.steepening * least || range.near > ways.far)
     }
 
     /// Kernel and lobe at Gauss nodes.
@@ -379,5 +380,10 @@ fn widths(alpha: &[f64; 4], ratio: f64) -> (f64, bool) {
 fn quarters<T: Copy>(v: &[T; 4], mid: impl Fn(T, T) -> T) -> [[T; 4]; 4] {
     let (above, left, right, below) = (mid(v[0], v[1]), mid(v[0], v[2]), mid(v[1], v[3]), mid(v[2], v[3]));
     let middle = mid(above, below);
-    [[v[0], above, left, middle], [above, v[1], middle, right], [left, middle, v[2], below], [middle, right, below, v[3]]]
+    [
+        [v[0], above, left, middle],
+        [above, v[1], middle, right],
+        [left, middle, v[2], below],
+        [middle, right, below, v[3]],
+    ]
 }

