@@ -57,6 +57,7 @@
 //! | [`image`] | rasters, sizes of levels, wrap modes, footprints and their weights |
 //! | [`codec`] | bytes to images and back; knows formats, not meaning |
 //! | [`ndf`] | what a normal distribution is: the GGX lobe, its tensor, images of lobes |
+//! | [`glint`] | procedural flakes and the texels of a normal map as glints: ratios, mean 1, for any lobe |
 //! | `gltf` | glTF files as they are: documents, buffers, numbers (not public) |
 //! | [`curvature`] | meshes to roughness: what a mesh's own normals add under each texel of every level |
 //! | [`material`] | what channels mean, both ways: roles, packing, file names, repair |
@@ -96,6 +97,7 @@ pub mod compare;
 pub mod curvature;
 pub mod error;
 pub mod fold;
+pub mod glint;
 mod gltf;
 pub mod image;
 pub mod kernels;

@@ -5,13 +5,14 @@ use std::path::{Path, PathBuf};
 /// From top to bottom.
 ///
 /// The judge, `reference` and `compare`, stands above `fold`: it cannot know what it judges.
-const ROOMS: [&str; 20] = [
+const ROOMS: [&str; 21] = [
     "error",
     "roughness",
     "random",
     "image",
     "codec",
     "ndf",
+    "glint",
     "gltf",
     "curvature",
     "material",

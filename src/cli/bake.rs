@@ -1,5 +1,6 @@
 //! `mipfold bake-curvature`.
 
+use std::collections::hash_map::Entry;
 use std::collections::{BTreeSet, HashMap};
 use std::path::Path;
 
@@ -46,10 +47,11 @@ pub fn run(args: &BakeArgs, global: &Global, report: &mut Report) -> Result<()> 
     for group in &groups {
         match group {
             Ok(group) => {
-                if !meshes.contains_key(&group.uv_set) {
-                    meshes.insert(group.uv_set, read(args, group.uv_set)?);
-                }
-                bakes.extend(parted(args, group, &meshes[&group.uv_set]));
+                let mesh = match meshes.entry(group.uv_set) {
+                    Entry::Occupied(there) => there.into_mut(),
+                    Entry::Vacant(free) => free.insert(read(args, group.uv_set)?),
+                };
+                bakes.extend(parted(args, group, mesh));
             }
             Err(error) => report.error(error),
         }

@@ -50,6 +50,7 @@ pub(super) fn mix(place: [u32; 2], prefix: u32, key: u32) -> u32 {
 }
 
 #[cfg(test)]
+#[allow(clippy::type_complexity)]
 mod tests {
     use super::*;
 
@@ -116,7 +117,7 @@ mod tests {
             let mut cells = [0u32; 576];
             for m in 0..200_000u32 {
                 let (place, prefix) = ([m % 61, m / 61 % 53], (m / 3233 % 8) | (m / 25_864) << 16);
-                let top = |h: u32| (u64::from(h) * 24 >> 32) as usize;
+                let top = |h: u32| ((u64::from(h) * 24) >> 32) as usize;
                 cells[top(mix(place, prefix, 5)) * 24 + top(step(place, prefix, 5))] += 1;
             }
             assert!(excess(&cells).abs() < 5.0, "step {n}: {}", excess(&cells));

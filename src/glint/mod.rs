@@ -37,7 +37,9 @@ mod light;
 mod net;
 mod probe;
 #[cfg(test)]
+#[allow(clippy::print_stdout, clippy::type_complexity, reason = "tables of figures")]
 mod tests;
+pub mod texels;
 
 pub use chart::{Chart, Macro, Tail};
 pub use count::{EXACT_MEAN, SmoothPoisson, binomial, ln_one_minus, poisson};

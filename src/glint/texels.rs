@@ -31,6 +31,7 @@ mod pyramid;
 mod query;
 mod slopes;
 #[cfg(test)]
+#[allow(clippy::print_stdout, clippy::type_complexity, reason = "tables of figures")]
 mod tests;
 mod transition;
 

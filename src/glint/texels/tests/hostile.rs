@@ -23,7 +23,7 @@ fn whatever_is_asked_the_answer_is_finite() {
     let mut steep = maps::spikes(9, 3.0);
     steep[[3, 3, 2]] = 1e-30;
     let single = Array3::from_shape_vec((1, 1, 3), vec![0.1, 0.2, 0.9]).unwrap();
-    let strip = maps::spikes(7, 0.3).slice_move(ndarray::s![..1, .., ..]);
+    let strip = maps::spikes(7, 0.3).view().split_at(ndarray::Axis(0), 1).0.to_owned();
     let nan = f64::NAN;
     let uvs = [(0.3, 0.4), (-1e9, 1e15), (1e300, -1e300), (nan, 0.0), (f64::INFINITY, 0.0), (1.0, 0.0)];
     let one = DMat2::IDENTITY;
