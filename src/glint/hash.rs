@@ -31,7 +31,7 @@ pub fn unit(bits: u32) -> f64 {
     (f64::from(bits >> 9) + 0.5) * (1.0 / 8_388_608.0)
 }
 
-/// A fifth uniform number of a hash, from the low bytes of its four words, which [`unit`] leaves alone.
+/// A fifth uniform number of a hash, from the low bytes of its four words, which [`unit()`] leaves alone.
 #[inline(always)]
 pub fn fifth([x, y, z, w]: [u32; 4]) -> f64 {
     unit((x & 255) << 24 | (y & 255) << 16 | (z & 255) << 8 | (w & 255))
