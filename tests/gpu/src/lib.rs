@@ -9,6 +9,8 @@
 //! cargo test --manifest-path tests/gpu/Cargo.toml
 //! ```
 //!
+//! `examples/zooming_sphere` shades a sphere with them, in the textures that `mipfold build` wrote; its tests run with these.
+//!
 //! Without a Vulkan adapter or `glslangValidator` the tests say SKIPPED and pass; with `MIPFOLD_NO_SKIP` set they fail.
 //! `MIPFOLD_ONLY` names one file (`ndf`) or, for the comparison, one function (`mf_d_ggx`). `BLESS=1` writes
 //! `kernels/glsl` and `kernels/hlsl` anew.
