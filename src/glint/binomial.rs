@@ -76,13 +76,14 @@ impl Grid {
     fn ratio(&self, p: &Probe, flakes_per_area: f64) -> f64 {
         let mean = flakes_per_area * self.side * self.side;
         let counter = SmoothPoisson::new(mean);
+        let (whole, part) = (p.widths.floor(), p.widths - p.widths.floor());
+        let whole = [whole.x as i32, whole.y as i32];
         let mut sum = 0.0;
         self.cells(|[i, j], weight| {
             let cell = pcg4d([i as u32, j as u32, self.level as u32, p.seed]);
-            let q = p.widths + DVec2::new(unit(cell[0]), unit(cell[1]));
-            let corner = q.floor();
-            let f = q - corner;
-            let (a, b) = (corner.x as i32, corner.y as i32);
+            let f = part + DVec2::new(unit(cell[0]), unit(cell[1]));
+            let (a, b) = (whole[0] + i32::from(f.x >= 1.0), whole[1] + i32::from(f.y >= 1.0));
+            let f = DVec2::new(if f.x >= 1.0 { f.x - 1.0 } else { f.x }, if f.y >= 1.0 { f.y - 1.0 } else { f.y });
             let mut boxes = 0.0;
             // Boxes share hashes in blocks of 2 x 2.
             for y in b >> 1..=(b + 1) >> 1 {

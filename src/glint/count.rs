@@ -108,10 +108,10 @@ impl SmoothPoisson {
         Self { mean, low, high, share: (mean - low) / (high - low), none: [(-low).exp(), (-high).exp()], normal }
     }
 
-    /// Equal steps between powers of two need no power function.
+    /// Equal steps between powers of two, which are numbers without their fraction bits: no logarithm, no power.
     fn neighbours(mean: f64) -> (f64, f64) {
-        let octave = mean.max(f64::MIN_POSITIVE).log2().floor().exp2();
-        let step = (Self::STEPS * (mean / octave - 1.0)).floor();
+        let octave = f64::from_bits(mean.to_bits() & 0xFFF0_0000_0000_0000).max(f64::MIN_POSITIVE);
+        let step = f64::from((Self::STEPS * (mean / octave - 1.0)) as u32);
         (octave * (1.0 + step / Self::STEPS), octave * (1.0 + (step + 1.0) / Self::STEPS))
     }
 

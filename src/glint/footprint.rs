@@ -43,7 +43,7 @@ impl Ellipse {
         let (xx, yy) = (SUPPORT2 * (x.x * x.x + y.x * y.x) + r2, SUPPORT2 * (x.y * x.y + y.y * y.y) + r2);
         let xy = SUPPORT2 * (x.x * x.y + y.x * y.y);
         let size = xx + yy + xy.abs();
-        if size.is_nan() || size >= 1e36 {
+        if size.is_nan() || size > 1e36 {
             return None;
         }
         Some(Self { xx, xy, yy }.at_most(MOST_ANISOTROPY))

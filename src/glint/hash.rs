@@ -106,7 +106,8 @@ mod tests {
     /// prefix and the next key: chi-squared within 5 standard deviations.
     #[test]
     fn short_hashes_of_neighbours_are_independent() {
-        let steps: [fn([u32; 2], u32, u32) -> u32; 5] = [
+        type Step = fn([u32; 2], u32, u32) -> u32;
+        let steps: [Step; 5] = [
             |[i, j], p, k| mix([i.wrapping_add(1), j], p, k),
             |[i, j], p, k| mix([i, j.wrapping_add(1)], p, k),
             |[i, j], p, k| mix([i, j], p + 1, k),

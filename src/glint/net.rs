@@ -93,7 +93,7 @@ impl Net {
     fn permutation(&self, level: u32, parent: Cell, digits: [u32; 2]) -> (u32, u32) {
         let key = self.key.wrapping_add(level.wrapping_mul(0x632B_E5AB));
         let h = mix([parent[0] as u32, parent[1] as u32], digits[0] | digits[1] << 16, key);
-        (((((h << 2) >> 16) * 3) >> 16) * 8, h >> 30)
+        (((((h << 2) >> 16) * 3) >> 16) << 3, h >> 30)
     }
 
     /// Digits of a cell's direction up to a level, as two numbers of so many bits, from the first k of them.

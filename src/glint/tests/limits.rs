@@ -204,7 +204,8 @@ fn whatever_is_asked_the_answer_is_a_ratio() {
 /// Close-ups, no Jacobian at all, far-away places: the mean stays 1.
 #[test]
 fn mean_is_one_at_the_limits() {
-    let changes: [(&str, fn(&mut Query)); 4] = [
+    type Change = fn(&mut Query);
+    let changes: [(&str, Change); 4] = [
         ("a point", |q| q.jacobian = DMat2::ZERO),
         ("a line", |q| q.jacobian = DMat2::from_cols(DVec2::new(3e-3, 2e-3), DVec2::ZERO)),
         ("few flakes", |q| q.flakes.density.0 = 1e3),
