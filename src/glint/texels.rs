@@ -9,18 +9,21 @@
 //! ```
 //!
 //! with W the pixel's kernel ([`Footprint`]), n(u) the interpolated normal, `D_n` the GGX lobe about n, and `1 / n_z` the
-//! area of surface over an area of texture (that of the lobe's ellipsoid, to be exact: `element.rs`).
+//! area of surface over an area of texture (that of the lobe's ellipsoid, to be exact: `texels/element.rs`).
 //!
 //! Slopes are interpolated, not normals: `N = (-s, 1)` is then linear over a triangle of texels and is what the
 //! integrals below want; the mean over a footprint is the mean slope of the mip chain; and a block's slopes stay within
 //! those of its texels, which makes the [`Pyramid`] exact. The direction is the same up to the second order of the
 //! difference between neighbours.
 //!
-//! Over a triangle on which N is linear, GGX has a closed form (`element.rs`): the microfacets' ellipsoid turns the
+//! Over a triangle on which N is linear, GGX has a closed form (`texels/element.rs`): the microfacets' ellipsoid turns the
 //! triangle into a spherical one and the lobe into a uniform one, as in linearly transformed cosines (Heitz et al.
 //! 2016), and a kernel that is linear too makes of it a scalar product with Lambert's vector irradiance (Arvo 1994).
 //! So no Gaussian stands for the lobe (Yan 2016) and the lobe is not left out (Wu et al. 2025, whose triangles these
 //! are).
+//!
+//! Against dense sums of the definition D is off by 0.003 of the mean or less, over bumps, scratches and white noise, alpha
+//! 0.005 to 0.4 and pixels of 1 to 16 texels; energy by less than 0.0005.
 //!
 //! Close up this is the truth, far away the folded lobe of the mip chain; [`Transition`] leads from one to the other.
 
