@@ -10,7 +10,8 @@
 // Which to use when:
 //   you have                             | and want                     | call
 //   interpolated normals, one roughness  | least blur                   | mf_aa_2021_normals, MF_SIGMA2_PEAK (the default)
-//   the same                             | no sparkle, some blur        | mf_aa_2019_normals, MF_SIGMA2_HALF (several engines)
+//   the same                             | least haze in the dark       | mf_aa_2021_normals, MF_SIGMA2_BOX
+//   the same                             | to match several engines     | mf_aa_2019_normals, MF_SIGMA2_HALF: flat highlights
 //   the same, two widths                 | streaks along the curvature  | mf_kernel of dn.t and dn.b, mf_add_kernel_projected
 //   half vectors, forward shading        | right, also at grazing views | mf_aa_2021, MF_SIGMA2_PEAK
 //   the same, cheaper                    | no conversion                | mf_aa_2019
