@@ -2,16 +2,17 @@
 //!
 //! `BLESS=1 cargo test --test fold_table -- --ignored` writes it again; without `BLESS` it is compared.
 
+mod common;
+
 use std::fs;
 use std::path::Path;
 
-use mipfold::codec::{decode, write_png};
 use mipfold::compare::{Candidate, Settings, judge};
 use mipfold::fold::{DEFAULT_FOLD, FOLDS, Options, chain};
-use mipfold::material::{Inputs, Material, RoughnessInput, base_lobes, load_with};
+use mipfold::material::base_lobes;
 use mipfold::ndf::{Form, lobes_in_words};
 use mipfold::roughness::Alpha;
-use mipfold::sample::{SAMPLES, Sample};
+use mipfold::sample::SAMPLES;
 
 const BEGIN: &str = "<!-- errors: written by `BLESS=1 cargo test --test fold_table -- --ignored` -->\n";
 const END: &str = "<!-- /errors -->\n";
@@ -20,22 +21,6 @@ const ALPHAS: [f32; 4] = [0.05, 0.1, 0.2, 0.4];
 /// Largest difference between a figure of the table and one that is measured, over the figure: half of its last digit, and
 /// what another machine's library functions change in what a search or a draw finds.
 const SAME: f64 = 0.03;
-
-fn material(sample: &Sample, alpha: f32) -> Material {
-    let maps = (sample.make)(256, 1);
-    let inputs = Inputs {
-        name: sample.name.into(),
-        normal: Some("normal.png".into()),
-        roughness: RoughnessInput::Constant(Alpha(alpha).perceptual()),
-        ..Inputs::default()
-    };
-    load_with(&inputs, &|path| {
-        let mut bytes = Vec::new();
-        write_png(&mut bytes, &maps.normal).unwrap();
-        decode(path, bytes)
-    })
-    .unwrap()
-}
 
 /// Every fold with one width, with two where it has them, and the default with more lobes.
 fn rows() -> Vec<(String, Options)> {
@@ -58,7 +43,7 @@ fn measure(alpha: f32, rows: &[(String, Options)]) -> Vec<f64> {
     let settings = Settings { texels: Some(16), directions: 40, levels: vec![1, 2, 4, 6], ..Settings::default() };
     let mut means = vec![0.0; rows.len()];
     for sample in SAMPLES {
-        let material = material(sample, alpha);
+        let material = common::sample_of_width(sample, 256, Alpha(alpha), 1.0);
         let candidate = |(name, options): &(String, Options)| Candidate {
             name: name.clone(),
             fold: None,

@@ -2,6 +2,7 @@
 //!
 //! `cargo test --test geometry -- --ignored --nocapture` prints the tables; real meshes are those of `MIPFOLD_MESHES`.
 
+mod common;
 #[path = "geometry/measure.rs"]
 mod measure;
 #[path = "geometry/methods.rs"]

@@ -96,12 +96,8 @@ pub struct BakeArgs {
     pub reading: ReadingArgs,
     #[command(flatten)]
     pub folding: FoldArgs,
-    /// Container: png (a file a level) or exr (mip-mapped, and the lobes in full); may be repeated
-    #[arg(long, value_enum, default_value = "png", value_delimiter = ',')]
-    pub format: Vec<Format>,
-    /// Write 32-bit floats where --format exr writes 16-bit ones
-    #[arg(long)]
-    pub float: bool,
+    #[command(flatten)]
+    pub containers: ContainerArgs,
 }
 
 #[derive(Args)]
@@ -159,18 +155,24 @@ pub struct BuildArgs {
     pub reading: ReadingArgs,
     #[command(flatten)]
     pub folding: FoldArgs,
-    /// Container: png (a file a level) or exr (mip-mapped, and the lobes in full); may be repeated
-    #[arg(long, value_enum, default_value = "png", value_delimiter = ',')]
-    pub format: Vec<Format>,
-    /// Write 32-bit floats where --format exr writes 16-bit ones
-    #[arg(long)]
-    pub float: bool,
+    #[command(flatten)]
+    pub containers: ContainerArgs,
     /// Also write the raw LEAN slope moments as mip-mapped EXR (OpenImageIO's bumpslopes channels)
     #[arg(long)]
     pub moments: bool,
     /// Further maps, each at every level; may be repeated
     #[arg(long, value_enum, value_name = "MAP", value_delimiter = ',')]
     pub extra: Vec<Extra>,
+}
+
+#[derive(Args)]
+pub struct ContainerArgs {
+    /// Container: png (a file a level) or exr (mip-mapped, and the lobes in full); may be repeated
+    #[arg(long, value_enum, default_value = "png", value_delimiter = ',')]
+    pub format: Vec<Format>,
+    /// Write 32-bit floats where --format exr writes 16-bit ones
+    #[arg(long)]
+    pub float: bool,
 }
 
 #[derive(Args)]
@@ -324,9 +326,11 @@ impl FoldArgs {
     }
 }
 
-/// Of mip-mapped maps, as `--float` says.
-pub fn depth(float: bool) -> Depth {
-    if float { Depth::Float } else { Depth::Half }
+impl ContainerArgs {
+    /// Of mip-mapped maps.
+    pub fn depth(&self) -> Depth {
+        if self.float { Depth::Float } else { Depth::Half }
+    }
 }
 
 pub fn fold_name(name: &str) -> Result<&'static Fold, String> {

@@ -4,7 +4,7 @@ use std::collections::hash_map::Entry;
 use std::collections::{BTreeSet, HashMap};
 use std::path::Path;
 
-use super::args::{BakeArgs, Global, WrapArg, depth};
+use super::args::{BakeArgs, Global, WrapArg};
 use super::build::output_folders;
 use super::inputs::{given_width, read_as, single};
 use super::job::{Job, NORMALS_COMPUTED, Under};
@@ -72,19 +72,22 @@ pub fn run(args: &BakeArgs, global: &Global, report: &mut Report) -> Result<()> 
             return Err(Error::invalid_option(args.mesh.display().to_string(), found, expected));
         }
     }
+    // All materials share the file.
+    let textured = bakes.iter().any(|bake| bake.textured);
+    let sha256 = if textured { codec::sha256(&args.mesh)? } else { String::new() };
     let names: Vec<&str> = bakes.iter().map(|bake| bake.name.as_str()).collect();
     let folders = if alone { vec![args.output.clone()] } else { output_folders(&args.output, &names) };
     for (bake, folder) in bakes.iter().zip(folders) {
         let result = if bake.textured {
             let request = Request {
                 folder,
-                formats: args.format.clone(),
-                depth: depth(args.float),
+                formats: args.containers.format.clone(),
+                depth: args.containers.depth(),
                 moments: false,
                 extras: vec![Extra::Curvature],
                 force: global.force,
             };
-            into_texture(args, bake, flagged.as_ref(), &options, &request, global.dry_run, report)
+            into_texture(args, bake, flagged.as_ref(), &sha256, &options, &request, global.dry_run, report)
         } else {
             at_vertices(bake, &folder, global)
         };
@@ -175,10 +178,12 @@ fn flagged(args: &BakeArgs) -> Result<Option<Inputs>> {
 }
 
 /// Bakes and folds a texture.
+#[expect(clippy::too_many_arguments, reason = "what one material takes of the run")]
 fn into_texture(
     args: &BakeArgs,
     bake: &Bake,
     flagged: Option<&Inputs>,
+    sha256: &str,
     options: &Options,
     request: &Request,
     dry_run: bool,
@@ -196,7 +201,8 @@ fn into_texture(
     let inputs = Inputs { name: bake.name.clone(), flat: Some(args.size), ..inputs };
     let read = |path: &Path| surface.map_or_else(|| codec::read(path), |surface| surface.read(path));
     let baking = BakeOptions { padding: usize::from(args.padding) };
-    let under = Some(Under { mesh: &bake.mesh, file: &args.mesh, uv_set: bake.group.uv_set, options: baking });
+    let (mesh, file, uv_set) = (&bake.mesh, &args.mesh, bake.group.uv_set);
+    let under = Some(Under { mesh, file, sha256, uv_set, options: baking });
     let form = args.folding.form();
     let job = Job { inputs: &inputs, read: &read, under, options, form, request };
     job.run(dry_run, &report.progress).map(|done| done.built)

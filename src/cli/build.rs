@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
 
-use super::args::{BuildArgs, Global, depth};
+use super::args::{BuildArgs, Global};
 use super::inputs::{folder, read_as, single};
 use super::job::Job;
 use super::report::Report;
@@ -43,8 +43,8 @@ pub fn run(args: &BuildArgs, global: &Global, report: &mut Report) -> Result<()>
         .map(|(inputs, folder)| {
             let request = Request {
                 folder: folder.clone(),
-                formats: args.format.clone(),
-                depth: depth(args.float),
+                formats: args.containers.format.clone(),
+                depth: args.containers.depth(),
                 moments: args.moments,
                 extras: args.extra.clone(),
                 force: global.force,

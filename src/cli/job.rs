@@ -6,7 +6,6 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use indicatif::ProgressBar;
 
 use super::report::{Built, Extent, Portion};
-use crate::codec::sha256;
 use crate::curvature::{BakeOptions, Mesh, Summary, bake, check};
 use crate::error::Result;
 use crate::fold::{Chain, Options};
@@ -31,6 +30,8 @@ pub struct Under<'a> {
     pub mesh: &'a Mesh,
     /// Where it came from.
     pub file: &'a Path,
+    /// Of the file, hexadecimal.
+    pub sha256: &'a str,
     pub uv_set: usize,
     pub options: BakeOptions,
 }
@@ -125,7 +126,7 @@ impl Under<'_> {
     fn bake_into(&self, material: &mut Material, dry_run: bool, done: &(dyn Fn(f64) + Sync)) -> Result<()> {
         let mut about = MeshAbout {
             path: self.file.to_string_lossy().into_owned(),
-            sha256: sha256(self.file)?,
+            sha256: self.sha256.to_owned(),
             uv_set: self.uv_set,
             padding: self.options.padding,
             triangles: self.mesh.triangles.len(),

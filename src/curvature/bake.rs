@@ -33,13 +33,10 @@ use super::grid::{Grid, Pool};
 use super::moments::NormalMoments;
 use super::pad::dilate;
 use super::surface::{Surface, Tile};
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::image::Size;
 use crate::ndf::RoughnessTensor;
 use crate::roughness::Alpha;
-
-/// The longest side of a baked texture.
-pub const LONGEST_SIDE: usize = 16384;
 
 /// Texels that a band may have, what a thread works on at a time: so many, or so many rows of a wide texture.
 const BAND_TEXELS: usize = 1 << 17;
@@ -123,9 +120,9 @@ pub struct Summary {
 ///
 /// # Errors
 /// [`Error::Unsupported`] for a mesh without texture coordinates, for coordinates that cover the texture more than
-/// [`super::MOST_COVERS`] times, and above [`LONGEST_SIDE`].
+/// [`super::MOST_COVERS`] times, and above [`super::LONGEST_SIDE`].
 pub fn bake(mesh: &Mesh, size: Size, options: &BakeOptions, progress: &(dyn Fn(f64) + Sync)) -> Result<Baked> {
-    let surface = surface(mesh, size)?;
+    let surface = Surface::new(mesh, size)?;
     let [without_uvs, without_texture_area, without_area] = surface.skipped;
     let mut summary = Summary {
         triangles: surface.order.len(),
@@ -172,18 +169,7 @@ pub fn bake(mesh: &Mesh, size: Size, options: &BakeOptions, progress: &(dyn Fn(f
 /// # Errors
 /// Those of [`bake`].
 pub fn check(mesh: &Mesh, size: Size) -> Result<()> {
-    surface(mesh, size).map(drop)
-}
-
-fn surface(mesh: &Mesh, size: Size) -> Result<Surface<'_>> {
-    if size.width.max(size.height) > LONGEST_SIDE {
-        return Err(Error::Unsupported {
-            subject: "bake".to_owned(),
-            found: format!("a texture of {size}"),
-            expected: format!("sides up to {LONGEST_SIDE}"),
-        });
-    }
-    Surface::new(mesh, size)
+    Surface::new(mesh, size).map(drop)
 }
 
 /// Runs of levels of which each texel is made of whole texels of the level before. Levels of a run are merged from its

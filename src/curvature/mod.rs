@@ -41,7 +41,7 @@ mod weld;
 #[cfg(test)]
 mod tests;
 
-pub use bake::{BakeOptions, Baked, LONGEST_SIDE, Level, Summary, bake, check};
+pub use bake::{BakeOptions, Baked, Level, Summary, bake, check};
 pub use mesh::{LoadOptions, MOST_VERTICES, Mesh, Part, load};
-pub use surface::MOST_COVERS;
+pub use surface::{LONGEST_SIDE, MOST_COVERS};
 pub use vertex::{Curvature, vertex_curvature};

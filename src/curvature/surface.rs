@@ -9,6 +9,9 @@ use super::weld::{Sets, bits, weld};
 use crate::error::{Error, Result};
 use crate::image::Size;
 
+/// The longest side of a baked texture.
+pub const LONGEST_SIDE: usize = 16384;
+
 /// How often the surface may cover the texture. Tiled coordinates cover it without end, and a texture that
 /// tiles has no texel that belongs to one place of the surface.
 pub const MOST_COVERS: f64 = 256.0;
@@ -59,10 +62,13 @@ impl<'a> Surface<'a> {
     ///
     /// # Errors
     /// [`Error::Unsupported`] for a mesh without texture coordinates, or one that covers the texture more than
-    /// [`MOST_COVERS`] times.
+    /// [`MOST_COVERS`] times, and above [`LONGEST_SIDE`].
     pub fn new(mesh: &'a Mesh, size: Size) -> Result<Self> {
         let unsupported =
             |found: String, expected: String| Error::Unsupported { subject: "bake".to_owned(), found, expected };
+        if size.width.max(size.height) > LONGEST_SIDE {
+            return Err(unsupported(format!("a texture of {size}"), format!("sides up to {LONGEST_SIDE}")));
+        }
         let Some(uvs) = mesh.uvs.as_deref() else {
             return Err(unsupported("a mesh without texture coordinates".into(), "unwrapped meshes".into()));
         };

@@ -18,6 +18,9 @@ use std::process::Output;
 use assert_cmd::Command;
 use mipfold::codec::{self, Channel, Depth};
 use mipfold::image::{Raster, Samples, Size};
+use mipfold::material::{Inputs, Material, RoughnessInput, load_with};
+use mipfold::roughness::Alpha;
+use mipfold::sample::Sample;
 use ndarray::Array3;
 use serde_json::Value;
 
@@ -215,6 +218,24 @@ pub fn encode8(v: f32) -> u8 {
 /// A normal map of bumps.
 pub fn bumps(path: &Path, size: (usize, usize)) -> PathBuf {
     png8(path, size, |x, y| bump(x, y, size.0.max(size.1)).map(encode8).to_vec())
+}
+
+/// The bumps of a sample, of one width everywhere, under the renderer's normal scale.
+pub fn sample_of_width(sample: &Sample, side: usize, alpha: Alpha, normal_scale: f32) -> Material {
+    let maps = (sample.make)(side, 1);
+    let inputs = Inputs {
+        name: sample.name.into(),
+        normal: Some("normal.png".into()),
+        roughness: RoughnessInput::Constant(alpha.perceptual()),
+        normal_scale: Some(normal_scale),
+        ..Inputs::default()
+    };
+    load_with(&inputs, &|path| {
+        let mut bytes = Vec::new();
+        codec::write_png(&mut bytes, &maps.normal).unwrap();
+        codec::decode(path, bytes)
+    })
+    .unwrap()
 }
 
 /// A map of a manifest.

@@ -1,7 +1,6 @@
 //! What is drawn: shapes with exact normals, and real meshes.
 
 use std::f64::consts::TAU;
-use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use glam::{DVec2, DVec3, Vec3};
@@ -152,22 +151,9 @@ pub fn solids() -> Vec<Object> {
     ]
 }
 
-/// The folder of real meshes; nothing, said plainly, if it is not there.
-#[expect(clippy::print_stderr, reason = "a test that skips says so")]
-fn folder() -> Option<PathBuf> {
-    let default = || Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/meshes");
-    let folder = std::env::var_os("MIPFOLD_MESHES").map_or_else(default, PathBuf::from);
-    if folder.join("MANIFEST.md").is_file() {
-        return Some(folder);
-    }
-    assert!(std::env::var_os("MIPFOLD_NO_SKIP").is_none(), "no meshes at {}", folder.display());
-    eprintln!("SKIPPED: no meshes at {} (MIPFOLD_MESHES)", folder.display());
-    None
-}
-
 /// Real meshes, if they are there; those of `names`, or all.
 pub fn meshes(names: &[&str]) -> Vec<Object> {
-    let Some(folder) = folder() else { return Vec::new() };
+    let Some(folder) = crate::common::meshes() else { return Vec::new() };
     let files = [
         ("shader ball", "shader_ball/shader_ball.gltf", Vec3::new(0.3, 0.3, 1.0), Vec3::Y, 64),
         ("USD shader ball", "usd_shader_ball/shaderball.glb", Vec3::new(0.3, 0.3, 1.0), Vec3::Y, 64),

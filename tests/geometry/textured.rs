@@ -1,13 +1,12 @@
 //! A normal map on a curved mesh: what the mip chain holds and what the mesh adds.
 
 use glam::{DVec3, Vec2};
-use mipfold::codec::{decode, write_png};
 use mipfold::fold::{FOLDS, Options, chain};
 use mipfold::kernels::twins::footprint::{
     Footprint, bent_components, carried_derivative, footprint_half_vectors, footprint_normals,
 };
 use mipfold::kernels::twins::geometric_aa::*;
-use mipfold::material::{Inputs, Material, RoughnessInput, base_lobes, load_with};
+use mipfold::material::base_lobes;
 use mipfold::ndf::{Form, Lobe};
 use mipfold::render::{LobeMap, SurfacePoint};
 use mipfold::roughness::Alpha;
@@ -15,6 +14,7 @@ use mipfold::sample::by_name;
 
 use super::methods::{Known, roughness};
 use super::shapes::Object;
+use crate::common::sample_of_width;
 
 /// Maps of one material, and how often they repeat over the mesh's texture coordinates.
 pub struct Bumps {
@@ -29,7 +29,7 @@ const TAPS: usize = 16;
 impl Bumps {
     /// A sample's normals, `side` texels wide, over metal of one width.
     pub fn new(sample: &str, side: usize, alpha: f64, repeats: Vec2, scale: f32) -> Self {
-        let material = material(sample, side, alpha, scale);
+        let material = sample_of_width(by_name(sample).unwrap(), side, Alpha(alpha as f32), scale);
         let levels = |fold: &str| {
             let fold = FOLDS.iter().find(|f| f.name == fold).unwrap();
             let options = Options { fold, ..Options::default() };
@@ -42,23 +42,6 @@ impl Bumps {
     pub fn base(&self, p: &SurfacePoint) -> Lobe {
         self.plain.base(p.uv * self.repeats)
     }
-}
-
-fn material(sample: &str, side: usize, alpha: f64, scale: f32) -> Material {
-    let maps = (by_name(sample).unwrap().make)(side, 1);
-    let inputs = Inputs {
-        name: sample.into(),
-        normal: Some("normal.png".into()),
-        roughness: RoughnessInput::Constant(Alpha(alpha as f32).perceptual()),
-        normal_scale: Some(scale),
-        ..Inputs::default()
-    };
-    load_with(&inputs, &|path| {
-        let mut bytes = Vec::new();
-        write_png(&mut bytes, &maps.normal).unwrap();
-        decode(path, bytes)
-    })
-    .unwrap()
 }
 
 /// What a shader knows of the bumps at a pixel.
