@@ -119,7 +119,7 @@ pub struct Summary {
 /// number of threads.
 ///
 /// # Errors
-/// [`Error::Unsupported`] for a mesh without texture coordinates, for coordinates that cover the texture more than
+/// [`crate::Error::Unsupported`] for a mesh without texture coordinates, for coordinates that cover the texture more than
 /// [`super::MOST_COVERS`] times, and above [`super::LONGEST_SIDE`].
 pub fn bake(mesh: &Mesh, size: Size, options: &BakeOptions, progress: &(dyn Fn(f64) + Sync)) -> Result<Baked> {
     let surface = Surface::new(mesh, size)?;
