@@ -43,7 +43,7 @@ const MF_GLINT_SMOOTH: f32 = 1.0e4;
 
 // A material's flakes.
 struct MfFlakes {
-    density: f32, // flakes per unit of area of uv, more than 0; below 4e12
+    cells: f32, // root of the density: flakes per unit of length of uv, more than 0, to 2^21
     seed: u32, // another seed, another surface
     variation: f32, // standard deviation of the flakes' areas over their mean, 0 to 3
     coverage: f32, // share of the surface that flakes cover, more than 0, at most 1: their size in close-ups
@@ -326,13 +326,16 @@ fn mf_glint_anisotropy(kernel: MfGlintKernel) -> f32 {
     return max(long2 / kernel.root, 1.0);
 }
 
-// A pixel in units of flakes: uv at its centre, and the change of uv per pixel along screen x and y. |uv| and the root of the
-// density to 2^21.
+// A pixel in units of flakes: uv at its centre, and the change of uv per pixel along screen x and y. |uv| to 2^21. Without
+// scratches the place is that of the given numbers (mf_whole_product); with them it is rounded as f32 is.
 fn mf_glint_pixel(uv: vec2f, dx: vec2f, dy: vec2f, flakes: MfFlakes) -> MfGlintPixel {
-    let scale: f32 = sqrt(max(flakes.density, 0.0));
+    var m: vec2f = flakes.cells * flakes.along;
+    var n: vec2f = flakes.cells * vec2f(-flakes.along.y, flakes.along.x);
     let stretch: f32 = sqrt(max(flakes.stretch, 1.0));
-    let m: vec2f = (scale / stretch) * flakes.along;
-    let n: vec2f = (scale * stretch) * vec2f(-flakes.along.y, flakes.along.x);
+    if (stretch > 1.0) {
+        m = m / stretch;
+        n = n * stretch;
+    }
     let size: f32 = sqrt(clamp(flakes.coverage, 1.0e-6, 1.0) / MF_BIWEIGHT_AREA);
     let change: f32 = abs(dx.x) + abs(dx.y) + abs(dy.x) + abs(dy.y);
     var none: MfGlintKernel;
@@ -343,7 +346,7 @@ fn mf_glint_pixel(uv: vec2f, dx: vec2f, dy: vec2f, flakes: MfFlakes) -> MfGlintP
     o.within = vec2f(0.0, 0.0);
     o.kernel = none;
     // Comparisons with what is not a number are false.
-    if (scale > 0.0 && scale * stretch < 4.0e6 && abs(uv.x) + abs(uv.y) < 1.0e9 && change < 1.0e15) {
+    if (flakes.cells > 0.0 && flakes.cells * stretch < 4.0e6 && abs(uv.x) + abs(uv.y) < 1.0e9 && change < 1.0e15) {
         let x: MfWhole = mf_whole_dot(m, uv);
         let y: MfWhole = mf_whole_dot(n, uv);
         o.cell = vec2i(x.whole, y.whole);

@@ -99,7 +99,8 @@ impl Count<'_> {
                 Statement::Block(inner) => self.block(inner),
                 Statement::If { accept, reject, .. } => self.block(accept) + self.block(reject),
                 Statement::Loop { body, continuing, .. } => {
-                    let head = self.text.lines().nth(span.location(self.text).line_number as usize - 1).unwrap_or_default();
+                    let head =
+                        self.text.lines().nth(span.location(self.text).line_number as usize - 1).unwrap_or_default();
                     (self.block(body) + self.block(continuing)) * turns(head)
                 }
                 _ => Cost::default(),
