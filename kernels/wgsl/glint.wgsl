@@ -248,22 +248,25 @@ fn mf_glint_light(lobe: MfGlintLobe, h: vec3f, omega: f32) -> MfGlintLight {
     return o;
 }
 
-// m x as a whole number and a rest, |m| and |x| below 2^21, to (|m| + |x|) 2^-34 at least: in f32 alone it would be |m x| 2^-24,
-// some cells far from the origin. Both are cut at the point and ten bits below it; products of whole parts are exact.
+// m x as a whole number and a rest, |m| and |x| below 2^21: right to (|m| + |x|) 2^-33 and the rest's rounding, where f32 alone
+// leaves |m x| 2^-24, some cells far from the origin. Both are cut at the point and ten bits below it; products of whole parts
+// are exact.
 fn mf_whole_product(m: f32, x: f32) -> MfWhole {
-    let mi: f32 = floor(m);
-    let xi: f32 = floor(x);
-    let mf: f32 = m - mi;
-    let xf: f32 = x - xi;
-    let mh: f32 = floor(mf * 1024.0);
-    let xh: f32 = floor(xf * 1024.0);
-    let a: i32 = i32(xi) * i32(mh);
-    let b: i32 = i32(mi) * i32(xh);
-    let fine: f32 = f32(a & 1023) + f32(b & 1023) + xi * (mf * 1024.0 - mh) + mi * (xf * 1024.0 - xh);
-    let rest: f32 = fine * 0.0009765625 + mf * xf;
+    let ma: f32 = abs(m);
+    let xa: f32 = abs(x);
+    let mi: f32 = floor(ma);
+    let xi: f32 = floor(xa);
+    let mf: f32 = (ma - mi) * 1024.0;
+    let xf: f32 = (xa - xi) * 1024.0;
+    let a: i32 = i32(xi) * i32(mf);
+    let b: i32 = i32(mi) * i32(xf);
+    let fine: f32 = f32(a & 1023) + f32(b & 1023) + xi * fract(mf) + mi * fract(xf) + mf * xf * 0.0009765625;
+    let whole: i32 = i32(mi) * i32(xi) + (a >> 10u) + (b >> 10u);
+    let side: f32 = sign(m) * sign(x);
+    let rest: f32 = side * fine * 0.0009765625;
     let up: f32 = floor(rest);
     var o: MfWhole;
-    o.whole = i32(mi) * i32(xi) + (a >> 10u) + (b >> 10u) + i32(up);
+    o.whole = i32(side) * whole + i32(up);
     o.rest = rest - up;
     return o;
 }

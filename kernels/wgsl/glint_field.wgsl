@@ -11,7 +11,10 @@
 // g = sum of W K w over flakes: W and K are biweights of integral 1 over place and direction, w weights of mean 1. Above 1.5
 // effective flakes two sparser grids stand for the flakes, with deviations from 1 that are scaled down accordingly.
 //
-// Flakes looked at, each with 12 short hashes and a long one: see MF_GLINT_MOST.
+// Flakes looked at in a layer, each with a long hash and, by far most of the work, up to 12 short ones: on average 6, 11, 35 and
+// 105 for N_eff of 0.01, 0.1, 1 and 6, the most a layer has; 12, 35, 110 and 310 for pixels 64 times as long as wide; at most
+// 500. Only where less than 1e-7 of all flakes answers there are more, up to 3700. Above 1.5 effective flakes there are two
+// layers.
 
 // Digits of a direction.
 const MF_GLINT_DEPTH: i32 = 12;
@@ -22,7 +25,7 @@ const MF_GLINT_SIDE: f32 = 4096.0;
 // Effective flakes that are summed one by one.
 const MF_GLINT_SUMMED: f32 = 1.5;
 
-// More flakes than any pixel looks at in a layer: a bound for compilers. Measured are the numbers in tests/gpu/tests/glint.rs.
+// More flakes than any pixel looks at in a layer: a bound for compilers.
 const MF_GLINT_MOST: u32 = 8192u;
 
 // The rows of boxes (sides are 1) that a kernel overlaps.
@@ -190,7 +193,7 @@ fn mf_glint_layer(seen: MfGlintPixel, light: MfGlintLight, seed: u32, layer: u32
     var b: i32 = ys.x;
     var sum: f32 = 0.0;
     // One loop over blocks and boxes: threads that run together wait for the most flakes, not for the longest of each row.
-    for (var n: u32 = 0u; n < MF_GLINT_MOST; n = n + 1u) { // turns: 32
+    for (var n: u32 = 0u; n < MF_GLINT_MOST; n = n + 1u) { // turns: 35
         if (j > last) {
             break;
         }

@@ -146,8 +146,9 @@ pub fn glint_light(lobe: &Macro, h: DVec3, omega: f64) -> GlintLight {
     })
 }
 
+/// The whole part repeats after 2^32.
 fn whole_and_rest(v: f64) -> (f64, f64) {
-    (v.floor(), v - v.floor())
+    (f64::from(v.floor() as i64 as i32), v - v.floor())
 }
 
 /// `m x` of numbers with 24 bits: exact.

@@ -27,30 +27,33 @@ fn lobe(a: &[f64]) -> Macro {
 }
 
 /// Four scalars of an `MfGlintKernel`.
-pub(super) fn kernel(a: &[f64]) -> GlintKernel {
+pub fn kernel(a: &[f64]) -> GlintKernel {
     GlintKernel { tensor: three(a), root: a[3] }
 }
 
-pub(super) fn of_kernel(k: GlintKernel) -> [f64; 4] {
+/// Scalars of a kernel.
+pub fn of_kernel(k: GlintKernel) -> [f64; 4] {
     [k.tensor.x, k.tensor.y, k.tensor.z, k.root]
 }
 
 /// Eight scalars of an `MfGlintPixel`.
-pub(super) fn pixel(a: &[f64]) -> GlintPixel {
+pub fn pixel(a: &[f64]) -> GlintPixel {
     GlintPixel { cell: [a[0] as i32, a[1] as i32], within: two(&a[2..]), kernel: kernel(&a[4..]) }
 }
 
-pub(super) fn of_pixel(p: &GlintPixel) -> Vec<f64> {
+/// Scalars of a pixel.
+pub fn of_pixel(p: &GlintPixel) -> Vec<f64> {
     let place = [f64::from(p.cell[0]), f64::from(p.cell[1]), p.within.x, p.within.y];
     [place, of_kernel(p.kernel)].concat()
 }
 
 /// Five scalars of an `MfGlintLight`.
-pub(super) fn light(a: &[f64]) -> GlintLight {
+pub fn light(a: &[f64]) -> GlintLight {
     GlintLight { y: two(a), area: a[2], widths: two(&a[3..]) }
 }
 
-pub(super) fn of_light(l: &GlintLight) -> Vec<f64> {
+/// Scalars of a light.
+pub fn of_light(l: &GlintLight) -> Vec<f64> {
     vec![l.y.x, l.y.y, l.area, l.widths.x, l.widths.y]
 }
 
@@ -78,7 +81,7 @@ pub fn draw_lobe(r: &mut SplitMix) -> Vec<f64> {
 }
 
 /// A kernel with axes of up to 30 cells, round and long.
-pub(super) fn draw_kernel(r: &mut SplitMix) -> GlintKernel {
+pub fn draw_kernel(r: &mut SplitMix) -> GlintKernel {
     let angle = r.unit() * 3.2;
     let along = DVec2::from_angle(angle) * log(r, 0.02, 20.0);
     let across = DVec2::from_angle(angle + 1.0 + r.unit()) * log(r, 0.02, 20.0);
@@ -92,6 +95,7 @@ fn firm(calls: Vec<Vec<f64>>, rest: impl Fn(&[f64]) -> f64, margin: f64) -> Vec<
     calls.into_iter().filter(|a| (margin..1.0 - margin).contains(&rest(&rounded(a)))).collect()
 }
 
+/// All of them.
 pub fn cases() -> Vec<Case> {
     let mut all = chart();
     all.extend(places());

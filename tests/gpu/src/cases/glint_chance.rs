@@ -4,28 +4,29 @@ use crate::case::{Bound, Case, SplitMix, Sweep};
 use crate::twins::glint_chance as twin;
 
 /// In every bit.
-pub(super) const EXACT: Bound = Bound { absolute: 0.0, relative: 0.0 };
+pub const EXACT: Bound = Bound { absolute: 0.0, relative: 0.0 };
 
 /// Vectors that are hashed.
 const VECTORS: usize = 100_000;
 
-pub(super) fn words<const N: usize>(a: &[f64]) -> [u32; N] {
+/// Whole numbers below 2^32.
+pub fn words<const N: usize>(a: &[f64]) -> [u32; N] {
     std::array::from_fn(|i| a[i] as u32)
 }
 
 /// This many calls.
-pub(super) fn draws(count: usize, seed: u64, mut draw: impl FnMut(&mut SplitMix) -> Vec<f64>) -> Vec<Vec<f64>> {
+pub fn draws(count: usize, seed: u64, mut draw: impl FnMut(&mut SplitMix) -> Vec<f64>) -> Vec<Vec<f64>> {
     let mut random = SplitMix(seed);
     (0..count).map(|_| draw(&mut random)).collect()
 }
 
 /// A number above 0 with an evenly spread logarithm.
-pub(super) fn log(random: &mut SplitMix, low: f64, high: f64) -> f64 {
+pub fn log(random: &mut SplitMix, low: f64, high: f64) -> f64 {
     (low.ln() + random.unit() * (high / low).ln()).exp()
 }
 
 /// A uniform number as hashes give them.
-pub(super) fn uniform(random: &mut SplitMix) -> f64 {
+pub fn uniform(random: &mut SplitMix) -> f64 {
     crate::glint::unit((random.bits() >> 32) as u32)
 }
 
@@ -36,6 +37,7 @@ fn firm(count: impl Fn(f64, f64) -> f64, mean: f64, u: f64) -> bool {
     around.iter().all(|(scale, step)| count(mean * scale, (u + step).clamp(1e-9, 1.0 - 1e-9)) == here)
 }
 
+/// All of them.
 pub fn cases() -> Vec<Case> {
     let word = |sweep: Sweep| sweep.integer(0, u32::MAX).edges(&[1.0, 2_147_483_648.0]);
     let four = |count| word(word(word(word(Sweep::new(count)))));

@@ -10,7 +10,8 @@ use crate::glint::{BIWEIGHT_AREA, Ellipse};
 use crate::twins::glint::{GlintKernel, GlintLight, GlintPixel};
 use crate::twins::glint_field as twin;
 
-pub(super) fn whole(r: &mut SplitMix) -> f64 {
+/// A whole number of 32 bits, of any size and sign.
+pub fn whole(r: &mut SplitMix) -> f64 {
     let v = (r.bits() >> 32) as u32 as i32;
     f64::from(v >> (r.bits() % 32))
 }
@@ -24,7 +25,7 @@ fn digits(r: &mut SplitMix, k: u32) -> [f64; 2] {
 }
 
 /// A pixel with this many effective flakes for a light of this area, as long as `anisotropy` times its width.
-pub(super) fn draw_query(r: &mut SplitMix, n_eff: f64, area: f64, anisotropy: f64) -> (GlintPixel, GlintLight) {
+pub fn draw_query(r: &mut SplitMix, n_eff: f64, area: f64, anisotropy: f64) -> (GlintPixel, GlintLight) {
     let root = n_eff / (BIWEIGHT_AREA * area);
     let (long, short) = ((root * anisotropy).sqrt(), (root / anisotropy).sqrt());
     let (x, y) = (DVec2::from_angle(7.0 * r.unit()) * long, short);
@@ -43,12 +44,13 @@ pub(super) fn draw_query(r: &mut SplitMix, n_eff: f64, area: f64, anisotropy: f6
 }
 
 /// Scalars of an evaluator's arguments.
-pub(super) fn query(r: &mut SplitMix, n_eff: f64, area: f64, anisotropy: f64, variation: f64) -> Vec<f64> {
+pub fn query(r: &mut SplitMix, n_eff: f64, area: f64, anisotropy: f64, variation: f64) -> Vec<f64> {
     let (pixel, light) = draw_query(r, n_eff, area, anisotropy);
     let seed = (r.bits() % 64) as f64;
     [of_pixel(&pixel), of_light(&light), vec![1.0, seed, variation, 1.0, 1.0, 1.0, 0.0]].concat()
 }
 
+/// All of them.
 pub fn cases() -> Vec<Case> {
     let mut all = net();
     all.extend(boxes());

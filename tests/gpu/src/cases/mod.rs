@@ -4,10 +4,10 @@ use crate::case::Case;
 
 mod footprint;
 mod geometric_aa;
-mod glint;
+pub mod glint;
 mod glint_binomial;
-mod glint_chance;
-mod glint_field;
+pub mod glint_chance;
+pub mod glint_field;
 mod moments;
 mod ndf;
 mod roughness;
