@@ -11,7 +11,7 @@
 // the light: shade with D(h) g in place of D(h). Where many flakes are seen g tends to 1. How a shader joins it all:
 //
 // 1. The lobe to shade with, from mip chain and curvature: mf_footprint_normals (footprint), for all lights.
-// 2. Once a seen: MfGlintPixel p = mf_glint_pixel(uv, change of uv per pixel along screen x and y, flakes). Nothing here takes
+// 2. Once a pixel: MfGlintPixel p = mf_glint_pixel(uv, change of uv per pixel along screen x and y, flakes). Nothing here takes
 //    derivatives, so that compute shaders and ray tracers can ask too; they bring their own.
 // 3. For each light, with the unit half vector h in the mesh's tangent frame:
 //    - the half vector in the lobe's own frame: b = mf_bent_components(lobe.normal, h), (b.x, b.y, dot(lobe.normal, h));
@@ -48,7 +48,7 @@ const float MF_GLINT_SMOOTH = 1.0e4;
 
 // A material's flakes.
 struct MfFlakes {
-    float density; // flakes per unit of area of uv, more than 0; below 4e12
+    float cells; // root of the density: flakes per unit of length of uv, more than 0, to 2^21
     uint seed; // another seed, another surface
     float variation; // standard deviation of the flakes' areas over their mean, 0 to 3
     float coverage; // share of the surface that flakes cover, more than 0, at most 1: their size in close-ups
@@ -253,22 +253,25 @@ MfGlintLight mf_glint_light(MfGlintLobe lobe, vec3 h, float omega) {
     return o;
 }
 
-// m x as a whole number and a rest, |m| and |x| below 2^21, to (|m| + |x|) 2^-34 at least: in f32 alone it would be |m x| 2^-24,
-// some cells far from the origin. Both are cut at the point and ten bits below it; products of whole parts are exact.
+// m x as a whole number and a rest, |m| and |x| below 2^21: right to (|m| + |x|) 2^-33 and the rest's rounding, where f32 alone
+// leaves |m x| 2^-24, some cells far from the origin. Both are cut at the point and ten bits below it; products of whole parts
+// are exact.
 MfWhole mf_whole_product(float m, float x) {
-    float mi = floor(m);
-    float xi = floor(x);
-    float mf = m - mi;
-    float xf = x - xi;
-    float mh = floor(mf * 1024.0);
-    float xh = floor(xf * 1024.0);
-    int a = int(xi) * int(mh);
-    int b = int(mi) * int(xh);
-    float fine = float(a & 1023) + float(b & 1023) + xi * (mf * 1024.0 - mh) + mi * (xf * 1024.0 - xh);
-    float rest = fine * 0.0009765625 + mf * xf;
+    float ma = abs(m);
+    float xa = abs(x);
+    float mi = floor(ma);
+    float xi = floor(xa);
+    float mf = (ma - mi) * 1024.0;
+    float xf = (xa - xi) * 1024.0;
+    int a = int(xi) * int(mf);
+    int b = int(mi) * int(xf);
+    float fine = float(a & 1023) + float(b & 1023) + xi * fract(mf) + mi * fract(xf) + mf * xf * 0.0009765625;
+    int whole = int(mi) * int(xi) + (a >> 10u) + (b >> 10u);
+    float side = sign(m) * sign(x);
+    float rest = side * fine * 0.0009765625;
     float up = floor(rest);
     MfWhole o;
-    o.whole = int(mi) * int(xi) + (a >> 10u) + (b >> 10u) + int(up);
+    o.whole = int(side) * whole + int(up);
     o.rest = rest - up;
     return o;
 }
@@ -331,13 +334,16 @@ float mf_glint_anisotropy(MfGlintKernel kernel) {
     return max(long2 / kernel.root, 1.0);
 }
 
-// A pixel in units of flakes: uv at its centre, and the change of uv per pixel along screen x and y. |uv| and the root of the
-// density to 2^21.
+// A pixel in units of flakes: uv at its centre, and the change of uv per pixel along screen x and y. |uv| to 2^21. Without
+// scratches the place is that of the given numbers (mf_whole_product); with them it is rounded as f32 is.
 MfGlintPixel mf_glint_pixel(vec2 uv, vec2 dx, vec2 dy, MfFlakes flakes) {
-    float scale = sqrt(max(flakes.density, 0.0));
+    vec2 m = flakes.cells * flakes.along;
+    vec2 n = flakes.cells * vec2(-flakes.along.y, flakes.along.x);
     float stretch = sqrt(max(flakes.stretch, 1.0));
-    vec2 m = (scale / stretch) * flakes.along;
-    vec2 n = (scale * stretch) * vec2(-flakes.along.y, flakes.along.x);
+    if (stretch > 1.0) {
+        m = m / stretch;
+        n = n * stretch;
+    }
     float size = sqrt(clamp(flakes.coverage, 1.0e-6, 1.0) / MF_BIWEIGHT_AREA);
     float change = abs(dx.x) + abs(dx.y) + abs(dy.x) + abs(dy.y);
     MfGlintKernel none;
@@ -348,7 +354,7 @@ MfGlintPixel mf_glint_pixel(vec2 uv, vec2 dx, vec2 dy, MfFlakes flakes) {
     o.within = vec2(0.0, 0.0);
     o.kernel = none;
     // Comparisons with what is not a number are false.
-    if (scale > 0.0 && scale * stretch < 4.0e6 && abs(uv.x) + abs(uv.y) < 1.0e9 && change < 1.0e15) {
+    if (flakes.cells > 0.0 && flakes.cells * stretch < 4.0e6 && abs(uv.x) + abs(uv.y) < 1.0e9 && change < 1.0e15) {
         MfWhole x = mf_whole_dot(m, uv);
         MfWhole y = mf_whole_dot(n, uv);
         o.cell = ivec2(x.whole, y.whole);

@@ -15,7 +15,10 @@
 // g = sum of W K w over flakes: W and K are biweights of integral 1 over place and direction, w weights of mean 1. Above 1.5
 // effective flakes two sparser grids stand for the flakes, with deviations from 1 that are scaled down accordingly.
 //
-// Flakes looked at, each with 12 short hashes and a long one: see MF_GLINT_MOST.
+// Flakes looked at in a layer, each with a long hash and, by far most of the work, up to 12 short ones: on average 6, 11, 35 and
+// 105 for N_eff of 0.01, 0.1, 1 and 6, the most a layer has; 12, 35, 110 and 310 for pixels 64 times as long as wide; at most
+// 500. Only where less than 1e-7 of all flakes answers there are more, up to 3700. Above 1.5 effective flakes there are two
+// layers.
 
 // Digits of a direction.
 static const int MF_GLINT_DEPTH = 12;
@@ -26,7 +29,7 @@ static const float MF_GLINT_SIDE = 4096.0;
 // Effective flakes that are summed one by one.
 static const float MF_GLINT_SUMMED = 1.5;
 
-// More flakes than any pixel looks at in a layer: a bound for compilers. Measured are the numbers in tests/gpu/tests/glint.rs.
+// More flakes than any pixel looks at in a layer: a bound for compilers.
 static const uint MF_GLINT_MOST = 8192u;
 
 // The rows of boxes (sides are 1) that a kernel overlaps.
@@ -194,7 +197,7 @@ float mf_glint_layer(MfGlintPixel seen, MfGlintLight light, uint seed, uint laye
     int b = ys.x;
     float sum = 0.0;
     // One loop over blocks and boxes: threads that run together wait for the most flakes, not for the longest of each row.
-    for (uint n = 0u; n < MF_GLINT_MOST; n = n + 1u) { // turns: 32
+    for (uint n = 0u; n < MF_GLINT_MOST; n = n + 1u) { // turns: 35
         if (j > last) {
             break;
         }

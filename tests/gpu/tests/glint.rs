@@ -26,8 +26,8 @@ const CLOSE: f64 = 5e-3;
 
 /// Queries that are not close for counts, and the worst of them. A count steps where u passes a distribution function, which f32
 /// knows to 1e-7: in a pixel of some hundred counts one is off by a whole flake with a chance of some 1e-4.
-const MISCOUNTED: usize = 40;
-const MISCOUNT: f64 = 0.6;
+const MISCOUNTED: usize = 30;
+const MISCOUNT: f64 = 0.3;
 
 fn able() -> Option<(&'static Gpu, &'static [Language])> {
     let Some(gpu) = gpu() else {
