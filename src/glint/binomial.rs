@@ -76,13 +76,14 @@ impl Grid {
     fn ratio(&self, p: &Probe, flakes_per_area: f64) -> f64 {
         let mean = flakes_per_area * self.side * self.side;
         let counter = SmoothPoisson::new(mean);
+        let (whole, part) = (p.widths.floor(), p.widths - p.widths.floor());
+        let whole = [whole.x as i32, whole.y as i32];
         let mut sum = 0.0;
         self.cells(|[i, j], weight| {
             let cell = pcg4d([i as u32, j as u32, self.level as u32, p.seed]);
-            let q = p.widths + DVec2::new(unit(cell[0]), unit(cell[1]));
-            let corner = q.floor();
-            let f = q - corner;
-            let (a, b) = (corner.x as i32, corner.y as i32);
+            let f = part + DVec2::new(unit(cell[0]), unit(cell[1]));
+            let (a, b) = (whole[0] + i32::from(f.x >= 1.0), whole[1] + i32::from(f.y >= 1.0));
+            let f = DVec2::new(if f.x >= 1.0 { f.x - 1.0 } else { f.x }, if f.y >= 1.0 { f.y - 1.0 } else { f.y });
             let mut boxes = 0.0;
             // Boxes share hashes in blocks of 2 x 2.
             for y in b >> 1..=(b + 1) >> 1 {
@@ -115,8 +116,14 @@ pub(super) fn ratio(p: &Probe) -> f64 {
     let grids = [Grid::new(p, level), Grid::new(p, level + 1)];
     let shares = [1.0 - share, share];
     // Flakes per area and chart that leave the variance of independent flakes, (1 + variation^2) / N_eff.
-    let variance: f64 = grids.iter().zip(shares).map(|(grid, share)| share * share * grid.variance()).sum();
-    let density = p.kernel.area() * variance / (1.0 + p.variation2);
-    let g: f64 = grids.iter().zip(shares).map(|(grid, share)| share * grid.ratio(p, density * p.area)).sum();
+    // Smooth counts keep a share of it that depends on their mean; two rounds find it to a thousandth.
+    let [fine, coarse] = [0, 1].map(|n| shares[n] * shares[n] * grids[n].variance());
+    let (per_flake, area) = (n_eff / (1.0 + p.variation2), grids[0].side * grids[0].side);
+    let mut mean = per_flake * (fine + coarse);
+    for _ in 0..2 {
+        let kept = |cells: f64| SmoothPoisson::variance_share(mean * area * cells);
+        mean = per_flake * (fine * kept(1.0) + coarse * kept(4.0));
+    }
+    let g: f64 = grids.iter().zip(shares).map(|(grid, share)| share * grid.ratio(p, mean)).sum();
     1.0 + (2.0 - 2.0 * n_eff / SMOOTH).min(1.0) * (g - 1.0)
 }

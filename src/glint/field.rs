@@ -77,7 +77,9 @@ pub(super) fn layer(p: &Probe, index: u32, weight_variance: f64) -> f64 {
     let weights = Weights::new(weight_variance);
     let mut sum = 0.0;
     let k = best_level(kernel, radius);
-    visit(&Net::new(p.seed, index), at, kernel, p.y, radius, k, |_, jitter, _, both| sum += both * weights.of(jitter.mark()));
+    visit(&Net::new(p.seed, index), at, kernel, p.y, radius, k, |_, jitter, _, both| {
+        sum += both * weights.of(jitter.mark())
+    });
     sum * peak(kernel, radius)
 }
 
@@ -128,6 +130,10 @@ pub(super) fn visit(
     };
     let ((a0, a1), (b0, b1)) = (range(y.x), range(y.y));
     let per_radius2 = 1.0 / (radius * radius);
+    let closer = (k + 2).min(DEPTH);
+    let closer_side = 1.0 / f64::from(1u32 << closer);
+    // A cell's middle is at most half a diagonal from its flake.
+    let beyond = (1.0 + std::f64::consts::FRAC_1_SQRT_2 / kernel.radii()[1]).powi(2);
     kernel.rows(centre, side, |j, first, last| {
         for i in first..=last {
             // Blocks repeat after 2^32 cells.
@@ -137,14 +143,26 @@ pub(super) fn visit(
                 for a in a0..=a1 {
                     let digits = [(a & (blocks - 1)) as u32, (b & (blocks - 1)) as u32];
                     let cell = net.cell(k, block, digits);
-                    let jitter = net.jitter(cell);
                     let from = [cell[0].wrapping_sub(home[0]), cell[1].wrapping_sub(home[1])];
-                    let offset = DVec2::new(f64::from(from[0]), f64::from(from[1])) + (jitter.place() - own);
+                    let from = DVec2::new(f64::from(from[0]), f64::from(from[1])) - own;
+                    // Cells that the ellipse cannot reach, before anything is hashed.
+                    if inverse.of(from + 0.5) > beyond {
+                        continue;
+                    }
+                    let jitter = net.jitter(cell);
+                    let offset = from + jitter.place();
                     let t = inverse.of(offset);
                     if t >= 1.0 {
                         continue;
                     }
-                    let d = jitter.y(net.digits(cell, k, digits)) - y;
+                    // Boxes of two more digits that the lobe cannot reach, before all digits are made.
+                    let digits = net.digits(cell, k, closer, digits);
+                    let d = DVec2::new(f64::from(digits[0]) + 0.5, f64::from(digits[1]) + 0.5) * closer_side - y;
+                    let least = ((d - d.round()).abs() - 0.5 * closer_side).max(DVec2::ZERO);
+                    if least.length_squared() * per_radius2 >= 1.0 {
+                        continue;
+                    }
+                    let d = jitter.y(net.digits(cell, closer, DEPTH, digits)) - y;
                     let s = (d - d.round()).length_squared() * per_radius2;
                     if s < 1.0 {
                         let root = (1.0 - t) * (1.0 - s);

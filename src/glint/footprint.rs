@@ -42,7 +42,8 @@ impl Ellipse {
         let r2 = flake * flake;
         let (xx, yy) = (SUPPORT2 * (x.x * x.x + y.x * y.x) + r2, SUPPORT2 * (x.y * x.y + y.y * y.y) + r2);
         let xy = SUPPORT2 * (x.x * x.y + y.x * y.y);
-        if !(xx + yy + xy.abs() < 1e36) {
+        let size = xx + yy + xy.abs();
+        if size.is_nan() || size > 1e36 {
             return None;
         }
         Some(Self { xx, xy, yy }.at_most(MOST_ANISOTROPY))

@@ -105,7 +105,8 @@ mod tests {
     /// prefix and the next key: chi-squared within 5 standard deviations.
     #[test]
     fn short_hashes_of_neighbours_are_independent() {
-        let steps: [fn([u32; 2], u32, u32) -> u32; 5] = [
+        type Step = fn([u32; 2], u32, u32) -> u32;
+        let steps: [Step; 5] = [
             |[i, j], p, k| mix([i.wrapping_add(1), j], p, k),
             |[i, j], p, k| mix([i, j.wrapping_add(1)], p, k),
             |[i, j], p, k| mix([i, j], p + 1, k),
@@ -116,7 +117,7 @@ mod tests {
             let mut cells = [0u32; 576];
             for m in 0..200_000u32 {
                 let (place, prefix) = ([m % 61, m / 61 % 53], (m / 3233 % 8) | (m / 25_864) << 16);
-                let top = |h: u32| (u64::from(h) * 24 >> 32) as usize;
+                let top = |h: u32| ((u64::from(h) * 24) >> 32) as usize;
                 cells[top(mix(place, prefix, 5)) * 24 + top(step(place, prefix, 5))] += 1;
             }
             assert!(excess(&cells).abs() < 5.0, "step {n}: {}", excess(&cells));

@@ -80,7 +80,7 @@ impl Net {
     /// The flake of a cell.
     pub fn flake(&self, cell: Cell) -> Flake {
         let jitter = self.jitter(cell);
-        Flake { place: jitter.place(), y: jitter.y(self.digits(cell, 0, [0, 0])), mark: jitter.mark() }
+        Flake { place: jitter.place(), y: jitter.y(self.digits(cell, 0, DEPTH, [0, 0])), mark: jitter.mark() }
     }
 
     #[inline(always)]
@@ -93,13 +93,13 @@ impl Net {
     fn permutation(&self, level: u32, parent: Cell, digits: [u32; 2]) -> (u32, u32) {
         let key = self.key.wrapping_add(level.wrapping_mul(0x632B_E5AB));
         let h = mix([parent[0] as u32, parent[1] as u32], digits[0] | digits[1] << 16, key);
-        (((h << 2 >> 16) * 3 >> 16) * 8, h >> 30)
+        (((((h << 2) >> 16) * 3) >> 16) << 3, h >> 30)
     }
 
-    /// All digits of a cell's direction as two numbers of [`DEPTH`] bits, from the first k of them.
+    /// Digits of a cell's direction up to a level, as two numbers of so many bits, from the first k of them.
     #[inline(always)]
-    pub(super) fn digits(&self, cell: Cell, k: u32, mut digits: [u32; 2]) -> [u32; 2] {
-        for level in k..DEPTH {
+    pub(super) fn digits(&self, cell: Cell, k: u32, to: u32, mut digits: [u32; 2]) -> [u32; 2] {
+        for level in k..to {
             let parent = [cell[0] >> (level + 1), cell[1] >> (level + 1)];
             let (times, plus) = self.permutation(level, parent, digits);
             let child = ((cell[0] >> level & 1) | (cell[1] >> level & 1) << 1) as u32;
@@ -157,11 +157,11 @@ mod tests {
         let net = Net::new(9, 0);
         for n in 0..500 {
             let cell = [n * 7919 - 1_000_000, n * 104_729 % 65_536];
-            let digits = net.digits(cell, 0, [0, 0]);
+            let digits = net.digits(cell, 0, DEPTH, [0, 0]);
             assert_eq!(net.cell(DEPTH, [cell[0] >> DEPTH, cell[1] >> DEPTH], digits), cell);
             let k = (n % 13) as u32;
             let first = digits.map(|d| d >> (DEPTH - k));
-            assert_eq!(net.digits(cell, k, first), digits);
+            assert_eq!(net.digits(cell, k, DEPTH, first), digits);
         }
     }
 

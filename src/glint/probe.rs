@@ -59,7 +59,7 @@ pub struct Query {
     /// Columns: their change along the screen's x and y, per pixel. Taken as it is given, so that compute shaders and
     /// ray tracers can ask too.
     pub jacobian: DMat2,
-    /// Half vector, unit, tangent frame, z out of the surface.
+    /// Half vector, of any length, tangent frame, z out of the surface.
     pub h: DVec3,
     /// The smooth lobe.
     pub lobe: Macro,
@@ -113,9 +113,10 @@ impl Probe {
 impl Query {
     /// The query in units of flakes. None where g is 1: nothing finite to ask, or no flakes.
     pub fn probe(&self) -> Option<Probe> {
-        let (flakes, h) = (&self.flakes, self.h);
-        let numbers = [flakes.density.0, flakes.lobe.0, self.light.solid_angle.0, self.light.l_dot_h];
-        if !(h.is_finite() && h.z > 0.0 && self.uv.is_finite() && numbers.iter().all(|v| v.is_finite())) {
+        let (flakes, h) = (&self.flakes, self.h.try_normalize()?);
+        let of_flakes = [flakes.density.0, flakes.lobe.0, flakes.size_variation, flakes.coverage];
+        let of_light = [self.light.solid_angle.0, self.light.l_dot_h];
+        if !(h.z > 0.0 && self.uv.is_finite() && of_flakes.iter().chain(&of_light).all(|v| v.is_finite())) {
             return None;
         }
         let to_cells = flakes.to_cells();

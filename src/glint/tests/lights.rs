@@ -6,8 +6,9 @@ use super::{Case, correlation};
 use crate::glint::net::Net;
 use crate::glint::{evaluator, pcg4d, unit};
 
-/// Two lights that share no flake, at the same pixel: correlation of the ratios within 0.02 and 4 standard errors. Flakes
-/// that answer one do not answer the other, which takes some 0.01 from the field's for wide lobes.
+/// Two lights that share no flake, at the same pixel: correlation of the ratios within 0.02, the lights' share of all
+/// directions and 4 standard errors. Flakes that answer one do not answer the other, so the field's is below 0 by such a
+/// share.
 fn two_lights(count: u32) {
     for name in ["field", "binomial"] {
         let ratio = evaluator(name).unwrap().ratio;
@@ -29,7 +30,7 @@ fn two_lights(count: u32) {
             let found = correlation(&pairs);
             let error = 1.0 / f64::from(count).sqrt();
             eprintln!("{name}, N_eff {n_eff}, area {area}: correlation of two lights {found:.4} +- {error:.4}");
-            assert!(found.abs() < 0.02 + 4.0 * error, "{name}, N_eff {n_eff}: {found}");
+            assert!(found.abs() < 0.02 + area + 4.0 * error, "{name}, N_eff {n_eff}: {found}");
         }
     }
 }
@@ -81,7 +82,9 @@ fn neighbours_hold_no_fixed_pairs_of_directions() {
             },
             step,
         );
-        eprintln!("step {step:?}: deviation {deviation:.3} (chance {of_chance:.3}), largest {largest} ({largest_of_chance})");
+        eprintln!(
+            "step {step:?}: deviation {deviation:.3} (chance {of_chance:.3}), largest {largest} ({largest_of_chance})"
+        );
         assert!(deviation < 0.4, "{step:?}: {deviation}");
         // Counts of 4 on average over 65536 pairs: 18 at most for chance, and some more for half the pairs at 4/3.
         assert!(largest < 8.0, "{step:?}: {largest}");

@@ -4,7 +4,8 @@ use glam::{DMat2, DVec2, DVec3};
 
 use super::moments;
 use crate::glint::{
-    EVALUATORS, FlakeDensity, Flakes, Light, Macro, Query, SolidAngle, Streak, Tail, evaluator, glint_ratio, pcg4d, unit,
+    EVALUATORS, FlakeDensity, Flakes, Light, Macro, Query, SolidAngle, Streak, Tail, evaluator, glint_ratio, pcg4d,
+    unit,
 };
 use crate::ndf::RoughnessTensor;
 use crate::roughness::Alpha;
@@ -32,11 +33,16 @@ fn mean_is_one_for_any_lobe_and_angle() {
             Macro { mean: DVec2::new(0.3, -0.1), roughness: sheared, tail },
         ] {
             for (step, theta) in [0.0f64, 25.0, 50.0, 75.0].into_iter().enumerate() {
+                let (sin, cos) = theta.to_radians().sin_cos();
+                // Beckmann lobes have no flakes left far out.
+                if lobe.chart().unwrap().density(DVec3::new(sin, 0.0, cos)) < 1e-5 {
+                    assert_eq!(tail, Tail::Beckmann);
+                    continue;
+                }
                 for evaluator in &EVALUATORS[..2] {
-                    let (sin, cos) = theta.to_radians().sin_cos();
                     let m = moments(1500, |n| {
                         let mut q = query(n + 10_000 * (2 * step + case) as u32);
-                        let phi = 7.0 * unit(pcg4d([n, 1, 1, 2])[0]);
+                        let phi = 0.4 * unit(pcg4d([n, 1, 1, 2])[0]) - 0.2;
                         q.h = DVec3::new(sin * phi.cos(), sin * phi.sin(), cos);
                         // As many flakes wherever the lobe is dim, where it can be.
                         q.jacobian *= (0.1 / lobe.chart().unwrap().density(q.h)).clamp(0.5, 100.0).sqrt();
@@ -67,7 +73,7 @@ fn many_flakes_are_smooth() {
                     let mut q = query(n);
                     q.lobe = Macro::isotropic(Alpha(alpha));
                     q.h = DVec3::new(0.5 * f64::from(alpha), 0.0, 1.0).normalize();
-                    q.flakes.density.0 *= 8f64.powi(octave);
+                    q.flakes.density.0 *= 4f64.powi(octave);
                     q
                 };
                 let m = moments(3000, |n| glint_ratio(evaluator, &change(n)));
@@ -161,7 +167,8 @@ fn turned_footprints_have_the_same_statistics() {
 
 #[test]
 fn whatever_is_asked_the_answer_is_a_ratio() {
-    let odd = [0.0, -0.0, 1e-300, -1e-12, 1.0, -3.7, 65_536.5, 1e9, -1e17, 1e300, f64::NAN, f64::INFINITY, f64::NEG_INFINITY];
+    let odd =
+        [0.0, -0.0, 1e-300, -1e-12, 1.0, -3.7, 65_536.5, 1e9, -1e17, 1e300, f64::NAN, f64::INFINITY, f64::NEG_INFINITY];
     let mut asked = 0;
     for evaluator in EVALUATORS {
         for v in odd {
@@ -197,7 +204,8 @@ fn whatever_is_asked_the_answer_is_a_ratio() {
 /// Close-ups, no Jacobian at all, far-away places: the mean stays 1.
 #[test]
 fn mean_is_one_at_the_limits() {
-    let changes: [(&str, fn(&mut Query)); 4] = [
+    type Change = fn(&mut Query);
+    let changes: [(&str, Change); 4] = [
         ("a point", |q| q.jacobian = DMat2::ZERO),
         ("a line", |q| q.jacobian = DMat2::from_cols(DVec2::new(3e-3, 2e-3), DVec2::ZERO)),
         ("few flakes", |q| q.flakes.density.0 = 1e3),

@@ -17,7 +17,10 @@ fn even_variance_is_what_is_measured() {
         let m = moments(count, |n| layer(&case.probe(n, 5), 0, 0.0));
         let (found, error) = (m.variance * case.n_eff, m.variance_error * case.n_eff);
         let fit = even_variance(case.n_eff, case.anisotropy);
-        eprintln!("N_eff {:5}, anisotropy {:2}: V* {found:.3} +- {error:.3}, fit {fit:.3}", case.n_eff, case.anisotropy);
+        eprintln!(
+            "N_eff {:5}, anisotropy {:2}: V* {found:.3} +- {error:.3}, fit {fit:.3}",
+            case.n_eff, case.anisotropy
+        );
         assert!((found - fit).abs() < 0.025 + 4.0 * error, "{case:?}: {found} +- {error}, fit {fit}");
     }
 }
@@ -44,7 +47,11 @@ fn mean_is_one(count: u32) {
         }
         // The means as a whole: their average deviation is a normal number of deviation 1 / sqrt(cases).
         let average = all.iter().sum::<f64>() / (all.len() as f64).sqrt();
-        eprintln!("{}: {} means, worst {worst:.2} of its limit, together {average:.2} sigma", evaluator.name, all.len());
+        eprintln!(
+            "{}: {} means, worst {worst:.2} of its limit, together {average:.2} sigma",
+            evaluator.name,
+            all.len()
+        );
         assert!(average.abs() < 5.0, "{}: {average}", evaluator.name);
     }
 }
@@ -131,7 +138,10 @@ fn quantiles(name: &str, count: u32, limits: [f64; 4]) {
             let g = quantile(&mut found, share);
             let spread = 4.0 * (share * (1.0 - share) / f64::from(count)).sqrt() * 1.12;
             let (low, high) = (quantile(&mut truth, share - spread), quantile(&mut truth, (share + spread).min(1.0)));
-            eprintln!("{name}, N_eff {n_eff}, {share}: {g:.3}, truth {:.3} ({low:.3} to {high:.3})", quantile(&mut truth, share));
+            eprintln!(
+                "{name}, N_eff {n_eff}, {share}: {g:.3}, truth {:.3} ({low:.3} to {high:.3})",
+                quantile(&mut truth, share)
+            );
             // Evenly filled, fewer pixels are quite dark: a median close to 0 is up to a twentieth of the mean higher.
             let inside = g > low * (1.0 - limit) - 0.05 && g < high * (1.0 + limit) + 0.05;
             assert!(inside, "{name}, N_eff {n_eff}: quantile {share} is {g}, not {low} to {high}");
