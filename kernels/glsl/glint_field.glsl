@@ -64,10 +64,10 @@ uvec2 mf_glint_permutation(uint key, int level, ivec2 block, uvec2 digits) {
     return uvec2(((((h << 2u) >> 16u) * 3u) >> 16u) * 8u, h >> 30u);
 }
 
-// All 12 digits of a cell's direction as two numbers, from the first k of them.
-uvec2 mf_glint_digits(uint key, ivec2 cell, int k, uvec2 first) {
+// Digits of a cell's direction, `to` of at most 12, as two numbers, from the first k of them.
+uvec2 mf_glint_digits(uint key, ivec2 cell, int k, int to, uvec2 first) {
     uvec2 digits = first;
-    for (int level = k; level < MF_GLINT_DEPTH; level = level + 1) { // turns: 6
+    for (int level = k; level < to; level = level + 1) { // turns: 4
         uint l = uint(level);
         ivec2 parent = ivec2(cell.x >> (l + 1u), cell.y >> (l + 1u));
         uvec2 p = mf_glint_permutation(key, level, parent, digits);
@@ -82,7 +82,7 @@ uvec2 mf_glint_digits(uint key, ivec2 cell, int k, uvec2 first) {
 ivec2 mf_glint_cell(uint key, int k, ivec2 block, uvec2 box) {
     uvec2 digits = box;
     ivec2 cell = block;
-    for (int level = k - 1; level >= 0; level = level - 1) { // turns: 6
+    for (int level = k - 1; level >= 0; level = level - 1) { // turns: 4
         uint digit = (digits.x & 1u) | ((digits.y & 1u) << 1u);
         digits = uvec2(digits.x >> 1u, digits.y >> 1u);
         uvec2 p = mf_glint_permutation(key, level, cell, digits);
@@ -96,7 +96,7 @@ ivec2 mf_glint_cell(uint key, int k, ivec2 block, uvec2 box) {
 MfFlake mf_glint_flake(uint seed, uint layer, ivec2 cell) {
     uvec3 net = mf_glint_net(seed, layer);
     uvec4 h = mf_pcg4d(uvec4(uint(cell.x), uint(cell.y), net.y, net.z));
-    uvec2 digits = mf_glint_digits(net.x, cell, 0, uvec2(0u, 0u));
+    uvec2 digits = mf_glint_digits(net.x, cell, 0, MF_GLINT_DEPTH, uvec2(0u, 0u));
     MfFlake o;
     o.place = vec2(mf_unit(h.x), mf_unit(h.y));
     o.y = vec2(float(digits.x) + mf_unit(h.z), float(digits.y) + mf_unit(h.w)) / MF_GLINT_SIDE;
@@ -159,6 +159,11 @@ ivec2 mf_glint_boxes(float y, float radius, int blocks) {
     return ivec2(a, b);
 }
 
+// A difference of places in the chart, in finest boxes, the shorter way round.
+float mf_glint_apart(float d) {
+    return d - MF_GLINT_SIDE * floor(d / MF_GLINT_SIDE + 0.5);
+}
+
 // The level at which blocks are as large beside the footprint as boxes are beside the lobe: the fewest flakes to look at.
 int mf_glint_level(float root, float radius) {
     return int(clamp(floor(0.25 * log2(root) - 0.5 * log2(radius) + 0.5), 0.0, float(MF_GLINT_DEPTH)));
@@ -189,6 +194,13 @@ float mf_glint_layer(MfGlintPixel seen, MfGlintLight light, uint seed, uint laye
     vec2 whole = vec2(floor(light.y.x * MF_GLINT_SIDE), floor(light.y.y * MF_GLINT_SIDE));
     vec2 rest = light.y * MF_GLINT_SIDE - whole;
     float per_radius = 1.0 / (MF_GLINT_SIDE * radius);
+    int closer = min(k + 2, MF_GLINT_DEPTH);
+    float wide = float(1u << uint(MF_GLINT_DEPTH - closer));
+    // Half of such a box, and the rest.
+    float reach = 0.5 * wide + 1.0;
+    // A cell's middle is at most half a diagonal from its flake; a little more for rounding.
+    float far = 1.001 + 0.70710678 * sqrt(mf_glint_anisotropy(kernel) / kernel.root);
+    float beyond = far * far;
     uvec3 net = mf_glint_net(seed, layer);
     float exponent = mf_glint_exponent(variance);
     int j = int(floor(rows.centre.y - rows.reach.y));
@@ -206,19 +218,30 @@ float mf_glint_layer(MfGlintPixel seen, MfGlintLight light, uint seed, uint laye
         ivec2 at = ivec2(((block.x + i) << level) >> level, ((block.y + j) << level) >> level);
         uvec2 box = uvec2(uint(a & (blocks - 1)), uint(b & (blocks - 1)));
         ivec2 cell = mf_glint_cell(net.x, k, at, box);
-        uvec4 h = mf_pcg4d(uvec4(uint(cell.x), uint(cell.y), net.y, net.z));
-        vec2 d = vec2(float(cell.x - home.x), float(cell.y - home.y)) + (vec2(mf_unit(h.x), mf_unit(h.y)) - own);
-        vec2 e = vec2(root.x * d.x + root.y * d.y, root.y * d.x + root.z * d.y);
-        float t = dot(e, e);
-        if (t < 1.0) {
-            uvec2 digits = mf_glint_digits(net.x, cell, k, box);
-            int x = ((int(digits.x) - int(whole.x) + 2048) & 4095) - 2048;
-            int y = ((int(digits.y) - int(whole.y) + 2048) & 4095) - 2048;
-            vec2 f = vec2(float(x), float(y)) + (vec2(mf_unit(h.z), mf_unit(h.w)) - rest);
-            float s = dot(f, f) * per_radius * per_radius;
-            if (s < 1.0) {
-                float both = (1.0 - t) * (1.0 - s);
-                sum = sum + both * both * pow(mf_fifth(h), exponent);
+        vec2 base = vec2(float(cell.x - home.x), float(cell.y - home.y)) - own;
+        vec2 m = base + vec2(0.5, 0.5);
+        vec2 e = vec2(root.x * m.x + root.y * m.y, root.y * m.x + root.z * m.y);
+        // Cells that the kernel cannot reach, before anything more is hashed.
+        if (dot(e, e) < beyond) {
+            uvec4 h = mf_pcg4d(uvec4(uint(cell.x), uint(cell.y), net.y, net.z));
+            vec2 d = base + vec2(mf_unit(h.x), mf_unit(h.y));
+            vec2 f = vec2(root.x * d.x + root.y * d.y, root.y * d.x + root.z * d.y);
+            float t = dot(f, f);
+            if (t < 1.0) {
+                // Boxes of two more digits that the lobe cannot reach, before all digits are made.
+                uvec2 some = mf_glint_digits(net.x, cell, k, closer, box);
+                float x = max(abs(mf_glint_apart(float(some.x) * wide + 0.5 * wide - whole.x)) - reach, 0.0);
+                float y = max(abs(mf_glint_apart(float(some.y) * wide + 0.5 * wide - whole.y)) - reach, 0.0);
+                if ((x * x + y * y) * per_radius * per_radius < 1.0) {
+                    uvec2 digits = mf_glint_digits(net.x, cell, closer, MF_GLINT_DEPTH, some);
+                    vec2 c = vec2(mf_glint_apart(float(digits.x) - whole.x), mf_glint_apart(float(digits.y) - whole.y));
+                    vec2 g = c + (vec2(mf_unit(h.z), mf_unit(h.w)) - rest);
+                    float s = dot(g, g) * per_radius * per_radius;
+                    if (s < 1.0) {
+                        float both = (1.0 - t) * (1.0 - s);
+                        sum = sum + both * both * pow(mf_fifth(h), exponent);
+                    }
+                }
             }
         }
         a = a + 1;

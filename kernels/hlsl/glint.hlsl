@@ -232,9 +232,10 @@ float mf_glint_half_vectors(float flake, float light, float l_dot_h, float3 dhdx
     return MF_BIWEIGHT_AREA * sqrt(r2 * r2 + r2 * trace + dot(c, c));
 }
 
-// The half vector of a light in a lobe's frame (unit, h.z above 0: else nothing can be asked), with the solid angle of half
+// The half vector of a light in a lobe's frame (of any length, h.z above 0: else nothing can be asked), with the solid angle of half
 // vectors that answer.
-MfGlintLight mf_glint_light(MfGlintLobe lobe, float3 h, float omega) {
+MfGlintLight mf_glint_light(MfGlintLobe lobe, float3 half_vector, float omega) {
+    float3 h = normalize(half_vector);
     MfGlintLight o;
     o.y = float2(0.5, 0.5);
     o.area = 0.0;

@@ -63,10 +63,10 @@ uint2 mf_glint_permutation(uint key, int level, int2 block, uint2 digits) {
     return uint2(((((h << 2u) >> 16u) * 3u) >> 16u) * 8u, h >> 30u);
 }
 
-// All 12 digits of a cell's direction as two numbers, from the first k of them.
-uint2 mf_glint_digits(uint key, int2 cell, int k, uint2 first) {
+// Digits of a cell's direction, `to` of at most 12, as two numbers, from the first k of them.
+uint2 mf_glint_digits(uint key, int2 cell, int k, int to, uint2 first) {
     uint2 digits = first;
-    for (int level = k; level < MF_GLINT_DEPTH; level = level + 1) { // turns: 6
+    for (int level = k; level < to; level = level + 1) { // turns: 4
         uint l = uint(level);
         int2 parent = int2(cell.x >> (l + 1u), cell.y >> (l + 1u));
         uint2 p = mf_glint_permutation(key, level, parent, digits);
@@ -81,7 +81,7 @@ uint2 mf_glint_digits(uint key, int2 cell, int k, uint2 first) {
 int2 mf_glint_cell(uint key, int k, int2 block, uint2 box) {
     uint2 digits = box;
     int2 cell = block;
-    for (int level = k - 1; level >= 0; level = level - 1) { // turns: 6
+    for (int level = k - 1; level >= 0; level = level - 1) { // turns: 4
         uint digit = (digits.x & 1u) | ((digits.y & 1u) << 1u);
         digits = uint2(digits.x >> 1u, digits.y >> 1u);
         uint2 p = mf_glint_permutation(key, level, cell, digits);
@@ -95,7 +95,7 @@ int2 mf_glint_cell(uint key, int k, int2 block, uint2 box) {
 MfFlake mf_glint_flake(uint seed, uint layer, int2 cell) {
     uint3 net = mf_glint_net(seed, layer);
     uint4 h = mf_pcg4d(uint4(uint(cell.x), uint(cell.y), net.y, net.z));
-    uint2 digits = mf_glint_digits(net.x, cell, 0, uint2(0u, 0u));
+    uint2 digits = mf_glint_digits(net.x, cell, 0, MF_GLINT_DEPTH, uint2(0u, 0u));
     MfFlake o;
     o.place = float2(mf_unit(h.x), mf_unit(h.y));
     o.y = float2(float(digits.x) + mf_unit(h.z), float(digits.y) + mf_unit(h.w)) / MF_GLINT_SIDE;
@@ -158,6 +158,11 @@ int2 mf_glint_boxes(float y, float radius, int blocks) {
     return int2(a, b);
 }
 
+// A difference of places in the chart, in finest boxes, the shorter way round.
+float mf_glint_apart(float d) {
+    return d - MF_GLINT_SIDE * floor(d / MF_GLINT_SIDE + 0.5);
+}
+
 // The level at which blocks are as large beside the footprint as boxes are beside the lobe: the fewest flakes to look at.
 int mf_glint_level(float root, float radius) {
     return int(clamp(floor(0.25 * log2(root) - 0.5 * log2(radius) + 0.5), 0.0, float(MF_GLINT_DEPTH)));
@@ -188,6 +193,13 @@ float mf_glint_layer(MfGlintPixel seen, MfGlintLight light, uint seed, uint laye
     float2 whole = float2(floor(light.y.x * MF_GLINT_SIDE), floor(light.y.y * MF_GLINT_SIDE));
     float2 rest = light.y * MF_GLINT_SIDE - whole;
     float per_radius = 1.0 / (MF_GLINT_SIDE * radius);
+    int closer = min(k + 2, MF_GLINT_DEPTH);
+    float wide = float(1u << uint(MF_GLINT_DEPTH - closer));
+    // Half of such a box, and the rest.
+    float reach = 0.5 * wide + 1.0;
+    // A cell's middle is at most half a diagonal from its flake; a little more for rounding.
+    float far = 1.001 + 0.70710678 * sqrt(mf_glint_anisotropy(kernel) / kernel.root);
+    float beyond = far * far;
     uint3 net = mf_glint_net(seed, layer);
     float exponent = mf_glint_exponent(variance);
     int j = int(floor(rows.centre.y - rows.reach.y));
@@ -205,19 +217,30 @@ float mf_glint_layer(MfGlintPixel seen, MfGlintLight light, uint seed, uint laye
         int2 at = int2(((block.x + i) << level) >> level, ((block.y + j) << level) >> level);
         uint2 box = uint2(uint(a & (blocks - 1)), uint(b & (blocks - 1)));
         int2 cell = mf_glint_cell(net.x, k, at, box);
-        uint4 h = mf_pcg4d(uint4(uint(cell.x), uint(cell.y), net.y, net.z));
-        float2 d = float2(float(cell.x - home.x), float(cell.y - home.y)) + (float2(mf_unit(h.x), mf_unit(h.y)) - own);
-        float2 e = float2(root.x * d.x + root.y * d.y, root.y * d.x + root.z * d.y);
-        float t = dot(e, e);
-        if (t < 1.0) {
-            uint2 digits = mf_glint_digits(net.x, cell, k, box);
-            int x = ((int(digits.x) - int(whole.x) + 2048) & 4095) - 2048;
-            int y = ((int(digits.y) - int(whole.y) + 2048) & 4095) - 2048;
-            float2 f = float2(float(x), float(y)) + (float2(mf_unit(h.z), mf_unit(h.w)) - rest);
-            float s = dot(f, f) * per_radius * per_radius;
-            if (s < 1.0) {
-                float both = (1.0 - t) * (1.0 - s);
-                sum = sum + both * both * pow(mf_fifth(h), exponent);
+        float2 base = float2(float(cell.x - home.x), float(cell.y - home.y)) - own;
+        float2 m = base + float2(0.5, 0.5);
+        float2 e = float2(root.x * m.x + root.y * m.y, root.y * m.x + root.z * m.y);
+        // Cells that the kernel cannot reach, before anything more is hashed.
+        if (dot(e, e) < beyond) {
+            uint4 h = mf_pcg4d(uint4(uint(cell.x), uint(cell.y), net.y, net.z));
+            float2 d = base + float2(mf_unit(h.x), mf_unit(h.y));
+            float2 f = float2(root.x * d.x + root.y * d.y, root.y * d.x + root.z * d.y);
+            float t = dot(f, f);
+            if (t < 1.0) {
+                // Boxes of two more digits that the lobe cannot reach, before all digits are made.
+                uint2 some = mf_glint_digits(net.x, cell, k, closer, box);
+                float x = max(abs(mf_glint_apart(float(some.x) * wide + 0.5 * wide - whole.x)) - reach, 0.0);
+                float y = max(abs(mf_glint_apart(float(some.y) * wide + 0.5 * wide - whole.y)) - reach, 0.0);
+                if ((x * x + y * y) * per_radius * per_radius < 1.0) {
+                    uint2 digits = mf_glint_digits(net.x, cell, closer, MF_GLINT_DEPTH, some);
+                    float2 c = float2(mf_glint_apart(float(digits.x) - whole.x), mf_glint_apart(float(digits.y) - whole.y));
+                    float2 g = c + (float2(mf_unit(h.z), mf_unit(h.w)) - rest);
+                    float s = dot(g, g) * per_radius * per_radius;
+                    if (s < 1.0) {
+                        float both = (1.0 - t) * (1.0 - s);
+                        sum = sum + both * both * pow(mf_fifth(h), exponent);
+                    }
+                }
             }
         }
         a = a + 1;

@@ -228,9 +228,10 @@ fn mf_glint_half_vectors(flake: f32, light: f32, l_dot_h: f32, dhdx: vec3f, dhdy
     return MF_BIWEIGHT_AREA * sqrt(r2 * r2 + r2 * trace + dot(c, c));
 }
 
-// The half vector of a light in a lobe's frame (unit, h.z above 0: else nothing can be asked), with the solid angle of half
+// The half vector of a light in a lobe's frame (of any length, h.z above 0: else nothing can be asked), with the solid angle of half
 // vectors that answer.
-fn mf_glint_light(lobe: MfGlintLobe, h: vec3f, omega: f32) -> MfGlintLight {
+fn mf_glint_light(lobe: MfGlintLobe, half_vector: vec3f, omega: f32) -> MfGlintLight {
+    let h: vec3f = normalize(half_vector);
     var o: MfGlintLight;
     o.y = vec2f(0.5, 0.5);
     o.area = 0.0;

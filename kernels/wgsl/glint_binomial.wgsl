@@ -43,19 +43,29 @@ struct MfGlintGrid {
     squares: f32,
 }
 
-// Prepares counts of a mean, above 0. Between powers of two there are sixteen steps.
+// Prepares counts of a mean, above 0. Between powers of two there are four steps.
 fn mf_smooth_poisson(mean: f32) -> MfSmoothPoisson {
     let m: f32 = clamp(mean, 1.0e-30, 1.0e30);
     let octave: f32 = exp2(floor(log2(m)));
-    let stair: f32 = floor(16.0 * (m / octave - 1.0));
+    let stair: f32 = floor(4.0 * (m / octave - 1.0));
     var o: MfSmoothPoisson;
     o.mean = m;
-    o.low = octave * (1.0 + stair / 16.0);
-    o.high = octave * (1.0 + (stair + 1.0) / 16.0);
+    o.low = octave * (1.0 + stair / 4.0);
+    o.high = octave * (1.0 + (stair + 1.0) / 4.0);
     o.share = (m - o.low) / (o.high - o.low);
     o.some = vec2f(mf_one_minus_exp(o.low), mf_one_minus_exp(o.high));
     o.normal = clamp((m / MF_COUNT_EXACT - 0.75) * 4.0, 0.0, 1.0);
     return o;
+}
+
+// Variance of smooth counts of this mean, above 0, over the mean: 0.94 to 1, within 0.012. Few flakes are counted by both
+// neighbours or by one, so that the covariance of the two is the lower mean; many vary together.
+fn mf_smooth_variance(mean: f32) -> f32 {
+    let s: MfSmoothPoisson = mf_smooth_poisson(mean);
+    let t: f32 = s.share;
+    let together: f32 = s.low + (sqrt(s.low * s.high) - s.low) * s.mean / (s.mean + 1.0);
+    let mixed: f32 = ((1.0 - t) * (1.0 - t) * s.low + t * t * s.high + 2.0 * t * (1.0 - t) * together) / s.mean;
+    return mix(mixed, 1.0, s.normal);
 }
 
 // The count for a uniform u in (0, 1), whole or between two whole numbers: see mf_poisson. At most 48 steps.
@@ -97,19 +107,24 @@ fn mf_glint_centres(grid: MfGlintGrid, j: i32) -> vec2i {
     return vec2i(i32(ceil(middle - across)), i32(floor(middle + across)));
 }
 
-// Weights of both boxes of a half vector along one axis: q is its place, in boxes; (first box, share of the second).
-fn mf_glint_pair(q: f32) -> MfWhole {
+// Both boxes of a half vector along one axis: w is its place, in boxes, u the grid's random shift, 0 to 1; the first box, and the
+// share of the second.
+fn mf_glint_pair(w: f32, u: f32) -> MfWhole {
     var o: MfWhole;
-    o.whole = i32(floor(q));
-    o.rest = q - floor(q);
+    o.whole = i32(floor(w));
+    o.rest = w - floor(w) + u;
+    if (o.rest >= 1.0) {
+        o.whole = o.whole + 1;
+        o.rest = o.rest - 1.0;
+    }
     return o;
 }
 
 // Mean of the counts in the four boxes about a half vector, in one cell (i, j counted from the pixel's).
 fn mf_glint_count(grid: MfGlintGrid, i: i32, j: i32, widths: vec2f, seed: u32, counts: MfSmoothPoisson) -> f32 {
     let cell: vec4u = mf_pcg4d(vec4u(u32(grid.home.x + i), u32(grid.home.y + j), u32(grid.level), seed));
-    let x: MfWhole = mf_glint_pair(widths.x + mf_unit(cell.x));
-    let y: MfWhole = mf_glint_pair(widths.y + mf_unit(cell.y));
+    let x: MfWhole = mf_glint_pair(widths.x, mf_unit(cell.x));
+    let y: MfWhole = mf_glint_pair(widths.y, mf_unit(cell.y));
     var sum: f32 = 0.0;
     for (var n: i32 = 0; n < 4; n = n + 1) { // turns: 4
         let a: i32 = x.whole + (n & 1);
@@ -228,11 +243,18 @@ fn mf_glint_binomial(seen: MfGlintPixel, light: MfGlintLight, flakes: MfFlakes) 
     // Flakes per area and chart that leave the variance of independent flakes, (1 + variation^2) / N_eff.
     let a: f32 = (1.0 - share) * (1.0 - share) * mf_glint_grid_variance(fine);
     let b: f32 = share * share * mf_glint_grid_variance(coarse);
-    let density: f32 = n_eff * (a + b) / (1.0 + varied * varied);
+    let per_flake: f32 = n_eff / (1.0 + varied * varied);
+    let area: f32 = fine.side * fine.side;
+    // Smooth counts keep a share of the variance that depends on their mean; two rounds find it to a thousandth.
+    var density: f32 = per_flake * (a + b);
+    for (var i: u32 = 0u; i < 2u; i = i + 1u) { // turns: 2
+        let more: f32 = b * mf_smooth_variance(4.0 * density * area);
+        density = per_flake * (a * mf_smooth_variance(density * area) + more);
+    }
     var g: f32 = 0.0;
     var grid: MfGlintGrid = fine;
     var weight: f32 = 1.0 - share;
-    for (var i: u32 = 0u; i < 2u; i = i + 1u) { // turns: 2
+    for (var n: u32 = 0u; n < 2u; n = n + 1u) { // turns: 2
         g = g + weight * mf_glint_grid_ratio(grid, light.widths, flakes.seed, density);
         grid = coarse;
         weight = share;

@@ -59,10 +59,10 @@ fn mf_glint_permutation(key: u32, level: i32, block: vec2i, digits: vec2u) -> ve
     return vec2u(((((h << 2u) >> 16u) * 3u) >> 16u) * 8u, h >> 30u);
 }
 
-// All 12 digits of a cell's direction as two numbers, from the first k of them.
-fn mf_glint_digits(key: u32, cell: vec2i, k: i32, first: vec2u) -> vec2u {
+// Digits of a cell's direction, `to` of at most 12, as two numbers, from the first k of them.
+fn mf_glint_digits(key: u32, cell: vec2i, k: i32, to: i32, first: vec2u) -> vec2u {
     var digits: vec2u = first;
-    for (var level: i32 = k; level < MF_GLINT_DEPTH; level = level + 1) { // turns: 6
+    for (var level: i32 = k; level < to; level = level + 1) { // turns: 4
         let l: u32 = u32(level);
         let parent: vec2i = vec2i(cell.x >> (l + 1u), cell.y >> (l + 1u));
         let p: vec2u = mf_glint_permutation(key, level, parent, digits);
@@ -77,7 +77,7 @@ fn mf_glint_digits(key: u32, cell: vec2i, k: i32, first: vec2u) -> vec2u {
 fn mf_glint_cell(key: u32, k: i32, block: vec2i, box: vec2u) -> vec2i {
     var digits: vec2u = box;
     var cell: vec2i = block;
-    for (var level: i32 = k - 1; level >= 0; level = level - 1) { // turns: 6
+    for (var level: i32 = k - 1; level >= 0; level = level - 1) { // turns: 4
         let digit: u32 = (digits.x & 1u) | ((digits.y & 1u) << 1u);
         digits = vec2u(digits.x >> 1u, digits.y >> 1u);
         let p: vec2u = mf_glint_permutation(key, level, cell, digits);
@@ -91,7 +91,7 @@ fn mf_glint_cell(key: u32, k: i32, block: vec2i, box: vec2u) -> vec2i {
 fn mf_glint_flake(seed: u32, layer: u32, cell: vec2i) -> MfFlake {
     let net: vec3u = mf_glint_net(seed, layer);
     let h: vec4u = mf_pcg4d(vec4u(u32(cell.x), u32(cell.y), net.y, net.z));
-    let digits: vec2u = mf_glint_digits(net.x, cell, 0, vec2u(0u, 0u));
+    let digits: vec2u = mf_glint_digits(net.x, cell, 0, MF_GLINT_DEPTH, vec2u(0u, 0u));
     var o: MfFlake;
     o.place = vec2f(mf_unit(h.x), mf_unit(h.y));
     o.y = vec2f(f32(digits.x) + mf_unit(h.z), f32(digits.y) + mf_unit(h.w)) / MF_GLINT_SIDE;
@@ -154,6 +154,11 @@ fn mf_glint_boxes(y: f32, radius: f32, blocks: i32) -> vec2i {
     return vec2i(a, b);
 }
 
+// A difference of places in the chart, in finest boxes, the shorter way round.
+fn mf_glint_apart(d: f32) -> f32 {
+    return d - MF_GLINT_SIDE * floor(d / MF_GLINT_SIDE + 0.5);
+}
+
 // The level at which blocks are as large beside the footprint as boxes are beside the lobe: the fewest flakes to look at.
 fn mf_glint_level(root: f32, radius: f32) -> i32 {
     return i32(clamp(floor(0.25 * log2(root) - 0.5 * log2(radius) + 0.5), 0.0, f32(MF_GLINT_DEPTH)));
@@ -184,6 +189,13 @@ fn mf_glint_layer(seen: MfGlintPixel, light: MfGlintLight, seed: u32, layer: u32
     let whole: vec2f = vec2f(floor(light.y.x * MF_GLINT_SIDE), floor(light.y.y * MF_GLINT_SIDE));
     let rest: vec2f = light.y * MF_GLINT_SIDE - whole;
     let per_radius: f32 = 1.0 / (MF_GLINT_SIDE * radius);
+    let closer: i32 = min(k + 2, MF_GLINT_DEPTH);
+    let wide: f32 = f32(1u << u32(MF_GLINT_DEPTH - closer));
+    // Half of such a box, and the rest.
+    let reach: f32 = 0.5 * wide + 1.0;
+    // A cell's middle is at most half a diagonal from its flake; a little more for rounding.
+    let far: f32 = 1.001 + 0.70710678 * sqrt(mf_glint_anisotropy(kernel) / kernel.root);
+    let beyond: f32 = far * far;
     let net: vec3u = mf_glint_net(seed, layer);
     let exponent: f32 = mf_glint_exponent(variance);
     var j: i32 = i32(floor(rows.centre.y - rows.reach.y));
@@ -201,19 +213,30 @@ fn mf_glint_layer(seen: MfGlintPixel, light: MfGlintLight, seed: u32, layer: u32
         let at: vec2i = vec2i(((block.x + i) << level) >> level, ((block.y + j) << level) >> level);
         let box: vec2u = vec2u(u32(a & (blocks - 1)), u32(b & (blocks - 1)));
         let cell: vec2i = mf_glint_cell(net.x, k, at, box);
-        let h: vec4u = mf_pcg4d(vec4u(u32(cell.x), u32(cell.y), net.y, net.z));
-        let d: vec2f = vec2f(f32(cell.x - home.x), f32(cell.y - home.y)) + (vec2f(mf_unit(h.x), mf_unit(h.y)) - own);
-        let e: vec2f = vec2f(root.x * d.x + root.y * d.y, root.y * d.x + root.z * d.y);
-        let t: f32 = dot(e, e);
-        if (t < 1.0) {
-            let digits: vec2u = mf_glint_digits(net.x, cell, k, box);
-            let x: i32 = ((i32(digits.x) - i32(whole.x) + 2048) & 4095) - 2048;
-            let y: i32 = ((i32(digits.y) - i32(whole.y) + 2048) & 4095) - 2048;
-            let f: vec2f = vec2f(f32(x), f32(y)) + (vec2f(mf_unit(h.z), mf_unit(h.w)) - rest);
-            let s: f32 = dot(f, f) * per_radius * per_radius;
-            if (s < 1.0) {
-                let both: f32 = (1.0 - t) * (1.0 - s);
-                sum = sum + both * both * pow(mf_fifth(h), exponent);
+        let base: vec2f = vec2f(f32(cell.x - home.x), f32(cell.y - home.y)) - own;
+        let m: vec2f = base + vec2f(0.5, 0.5);
+        let e: vec2f = vec2f(root.x * m.x + root.y * m.y, root.y * m.x + root.z * m.y);
+        // Cells that the kernel cannot reach, before anything more is hashed.
+        if (dot(e, e) < beyond) {
+            let h: vec4u = mf_pcg4d(vec4u(u32(cell.x), u32(cell.y), net.y, net.z));
+            let d: vec2f = base + vec2f(mf_unit(h.x), mf_unit(h.y));
+            let f: vec2f = vec2f(root.x * d.x + root.y * d.y, root.y * d.x + root.z * d.y);
+            let t: f32 = dot(f, f);
+            if (t < 1.0) {
+                // Boxes of two more digits that the lobe cannot reach, before all digits are made.
+                let some: vec2u = mf_glint_digits(net.x, cell, k, closer, box);
+                let x: f32 = max(abs(mf_glint_apart(f32(some.x) * wide + 0.5 * wide - whole.x)) - reach, 0.0);
+                let y: f32 = max(abs(mf_glint_apart(f32(some.y) * wide + 0.5 * wide - whole.y)) - reach, 0.0);
+                if ((x * x + y * y) * per_radius * per_radius < 1.0) {
+                    let digits: vec2u = mf_glint_digits(net.x, cell, closer, MF_GLINT_DEPTH, some);
+                    let c: vec2f = vec2f(mf_glint_apart(f32(digits.x) - whole.x), mf_glint_apart(f32(digits.y) - whole.y));
+                    let g: vec2f = c + (vec2f(mf_unit(h.z), mf_unit(h.w)) - rest);
+                    let s: f32 = dot(g, g) * per_radius * per_radius;
+                    if (s < 1.0) {
+                        let both: f32 = (1.0 - t) * (1.0 - s);
+                        sum = sum + both * both * pow(mf_fifth(h), exponent);
+                    }
+                }
             }
         }
         a = a + 1;

@@ -136,6 +136,7 @@ pub fn glint_half_vectors(flake: f64, light: &Light) -> f64 {
 /// The half vector of a light; area 0 where nothing can be asked.
 pub fn glint_light(lobe: &Macro, h: DVec3, omega: f64) -> GlintLight {
     let none = GlintLight { y: DVec2::splat(0.5), area: 0.0, widths: DVec2::ZERO };
+    let h = h.normalize();
     if h.z <= 0.0 {
         return none;
     }

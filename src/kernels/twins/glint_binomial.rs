@@ -27,8 +27,8 @@ pub struct GlintGrid {
 /// Mean, neighbours, share of the upper, chances of some, share of a normal distribution.
 pub fn smooth_poisson(mean: f64) -> [f64; 7] {
     let octave = mean.log2().floor().exp2();
-    let step = (16.0 * (mean / octave - 1.0)).floor();
-    let (low, high) = (octave * (1.0 + step / 16.0), octave * (1.0 + (step + 1.0) / 16.0));
+    let step = (4.0 * (mean / octave - 1.0)).floor();
+    let (low, high) = (octave * (1.0 + step / 4.0), octave * (1.0 + (step + 1.0) / 4.0));
     let normal = ((mean / 12.0 - 0.75) * 4.0).clamp(0.0, 1.0);
     [mean, low, high, (mean - low) / (high - low), -(-low).exp_m1(), -(-high).exp_m1(), normal]
 }
@@ -36,6 +36,11 @@ pub fn smooth_poisson(mean: f64) -> [f64; 7] {
 /// The library's count.
 pub fn smooth_count(mean: f64, u: f64) -> f64 {
     SmoothPoisson::new(mean).count(u)
+}
+
+/// The library's share of the variance that smooth counts keep.
+pub fn smooth_variance(mean: f64) -> f64 {
+    SmoothPoisson::variance_share(mean)
 }
 
 /// First and last centre in row j, from the middle of that row; with how far both are from a whole number at least.
@@ -50,9 +55,9 @@ pub fn glint_centres(grid: &GlintGrid, j: i32) -> ([f64; 2], f64) {
     ([ends[0].ceil(), ends[1].floor()], slack[0].min(slack[1]))
 }
 
-/// Whole part and rest.
-pub fn glint_pair(q: f64) -> [f64; 2] {
-    [q.floor(), q - q.floor()]
+/// Whole part and rest of a sum.
+pub fn glint_pair(w: f64, u: f64) -> [f64; 2] {
+    [(w + u).floor(), w + u - (w + u).floor()]
 }
 
 /// Mean of the counts in the four boxes about a half vector in one cell.

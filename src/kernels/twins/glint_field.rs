@@ -37,9 +37,9 @@ pub fn glint_permutation(key: u32, level: i32, block: [i32; 2], digits: [u32; 2]
     [8 * (3 * (h >> 14 & 0xFFFF) / 65_536), h >> 30]
 }
 
-/// All digits from the first k.
-pub fn glint_digits(key: u32, cell: [i32; 2], k: i32, first: [u32; 2]) -> [u32; 2] {
-    (k..DEPTH as i32).fold(first, |digits, level| {
+/// Digits k to `to` after the first k.
+pub fn glint_digits(key: u32, cell: [i32; 2], k: i32, to: i32, first: [u32; 2]) -> [u32; 2] {
+    (k..to).fold(first, |digits, level| {
         let parent = cell.map(|c| c.div_euclid(2 << level));
         let [shift, plus] = glint_permutation(key, level, parent, digits);
         let [i, j] = cell.map(|c| c.div_euclid(1 << level).rem_euclid(2) as usize);
@@ -105,6 +105,11 @@ pub fn glint_boxes(y: f64, radius: f64, blocks: i64) -> [i64; 2] {
     if boxes[1] - boxes[0] >= blocks - 1 { [0, blocks - 1] } else { boxes }
 }
 
+/// A difference on a circle of 4096.
+pub fn glint_apart(d: f64) -> f64 {
+    (d + 2048.0).rem_euclid(4096.0) - 2048.0
+}
+
 /// The cheapest level before rounding.
 pub fn glint_level(root: f64, radius: f64) -> f64 {
     (0.25 * root.log2() - 0.5 * radius.log2()).clamp(0.0, f64::from(DEPTH))
@@ -149,7 +154,7 @@ mod tests {
             let cell = [n * 7919 - 1_000_000, n * 104_729 % 65_536];
             let [key, a, b] = glint_net(n as u32 % 5, 1);
             let flake = glint_flake(n as u32 % 5, 1, cell);
-            let digits = glint_digits(key, cell, 0, [0, 0]);
+            let digits = glint_digits(key, cell, 0, DEPTH as i32, [0, 0]);
             assert_eq!(digits.map(f64::from), (flake.y * 4096.0).floor().to_array());
             let h = pcg4d([cell[0] as u32, cell[1] as u32, a, b]);
             assert_eq!((flake.mark, flake.place.x), (fifth(h), unit(h[0])));

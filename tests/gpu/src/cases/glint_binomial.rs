@@ -52,7 +52,7 @@ fn counting() -> Vec<Case> {
     let mut means = Sweep::new(2000).log(1e-6, 1e4).inputs();
     means.retain(|a| {
         let octave = a[0].log2().floor().exp2();
-        (0.01..0.99).contains(&(16.0 * (a[0] / octave - 1.0)).fract())
+        (0.01..0.99).contains(&(4.0 * (a[0] / octave - 1.0)).fract())
     });
     let mut smooth = draws(6000, 51, |r| {
         let mean = f64::from(log(r, 1e-4, 60.0) as f32);
@@ -68,8 +68,14 @@ fn counting() -> Vec<Case> {
             name: "mf_smooth_poisson",
             inputs: means,
             twin: |a| twin::smooth_poisson(a[0]).to_vec(),
-            // The share is 16 times a difference of numbers from 1 to 2.
-            bound: Bound { absolute: 0.0, relative: 4e-4 },
+            // The share is 4 times a difference of numbers from 1 to 2.
+            bound: Bound { absolute: 0.0, relative: 4e-5 },
+        },
+        Case {
+            name: "mf_smooth_variance",
+            inputs: Sweep::new(1000).log(1e-6, 1e4).edges(&[1.0, 1.25, 12.0]).inputs(),
+            twin: |a| vec![twin::smooth_variance(a[0])],
+            bound: Bound { absolute: 0.0, relative: 3e-6 },
         },
         Case {
             name: "mf_smooth_count",
@@ -79,9 +85,9 @@ fn counting() -> Vec<Case> {
         },
         Case {
             name: "mf_glint_pair",
-            inputs: draws(1000, 52, |r| vec![(r.unit() - 0.5) * log(r, 1.0, 1e3)]),
-            twin: |a| twin::glint_pair(a[0]).to_vec(),
-            bound: Bound { absolute: 1e-7, relative: 0.0 },
+            inputs: draws(1000, 52, |r| vec![(r.unit() - 0.5) * log(r, 1.0, 1e3), uniform(r)]),
+            twin: |a| twin::glint_pair(a[0], a[1]).to_vec(),
+            bound: Bound { absolute: 2e-7, relative: 0.0 },
         },
         Case {
             name: "mf_glint_count",

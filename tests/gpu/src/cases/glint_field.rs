@@ -90,10 +90,13 @@ fn net() -> Vec<Case> {
             inputs: draws(20_000, 33, |r| {
                 let k = (r.bits() % 13) as u32;
                 let [a, b] = digits(r, k);
-                vec![word(r), whole(r), whole(r), k.into(), a, b]
+                let to = k + (r.bits() % (13 - u64::from(k))) as u32;
+                vec![word(r), whole(r), whole(r), k.into(), to.into(), a, b]
             }),
             twin: |a| {
-                twin::glint_digits(a[0] as u32, cell(&a[1..]), a[3] as i32, words(&a[4..])).map(f64::from).to_vec()
+                twin::glint_digits(a[0] as u32, cell(&a[1..]), a[3] as i32, a[4] as i32, words(&a[5..]))
+                    .map(f64::from)
+                    .to_vec()
             },
             bound: EXACT,
         },
@@ -178,6 +181,12 @@ fn boxes() -> Vec<Case> {
             inputs: boxes,
             twin: |a| twin::glint_boxes(a[0], a[1], a[2] as i64).map(|v| v as f64).to_vec(),
             bound: EXACT,
+        },
+        Case {
+            name: "mf_glint_apart",
+            inputs: Sweep::new(500).linear(-8190.0, 8190.0).edges(&[0.0]).inputs(),
+            twin: |a| vec![twin::glint_apart(a[0])],
+            bound: Bound { absolute: 1e-3, relative: 0.0 },
         },
         Case {
             name: "mf_glint_level",
