@@ -11,10 +11,10 @@
 // g = sum of W K w over flakes: W and K are biweights of integral 1 over place and direction, w weights of mean 1. Above 1.5
 // effective flakes two sparser grids stand for the flakes, with deviations from 1 that are scaled down accordingly.
 //
-// Flakes looked at in a layer, each with a long hash and, by far most of the work, up to 12 short ones: on average 6, 11, 35 and
-// 105 for N_eff of 0.01, 0.1, 1 and 6, the most a layer has; 12, 35, 110 and 310 for pixels 64 times as long as wide; at most
-// 500. Only where less than 1e-7 of all flakes answers there are more, up to 3700. Above 1.5 effective flakes there are two
-// layers.
+// Flakes looked at in a layer: on average 6, 11, 35 and 105 for N_eff of 0.01, 0.1, 1 and 6, the most a layer has; 12, 35, 110 and
+// 310 for pixels 64 times as long as wide; at most 500. Only where less than 1e-7 of all flakes answers there are more, up to
+// 3700. Each costs up to 12 short hashes, by far most of the work, and a long one; many are passed over after a few. Above 1.5
+// effective flakes there are two layers.
 
 // Digits of a direction.
 const MF_GLINT_DEPTH: i32 = 12;
