@@ -154,7 +154,7 @@ fn chart() -> Vec<Case> {
         },
         Case {
             name: "mf_cone_solid_angle",
-            inputs: Sweep::new(500).linear(0.0, 3.14).edges(&[0.004_65, 0.1]).inputs(),
+            inputs: Sweep::new(500).linear(0.0, 3.1).edges(&[0.004_65, 0.1]).inputs(),
             twin: |a| vec![twin::cone_solid_angle(a[0])],
             bound: Bound { absolute: 1e-8, relative: 5e-6 },
         },
