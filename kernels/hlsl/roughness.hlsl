@@ -132,7 +132,7 @@ float mf_kappa_from_mean_length(float mean_length) {
         return r * (3.0 + r2 * (1.8 + r2 * (1.6971429 + r2 * 1.7588571)));
     }
     float kappa = r * (3.0 - r2) / (1.0 - r2);
-    for (uint i = 0u; i < 2u; i = i + 1u) {
+    for (uint i = 0u; i < 2u; i = i + 1u) { // turns: 2
         float e = exp(-2.0 * kappa);
         float a = (1.0 + e) / (1.0 - e) - 1.0 / kappa;
         kappa = kappa - (a - r) / (1.0 - a * a - 2.0 * a / kappa);

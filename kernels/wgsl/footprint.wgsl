@@ -24,7 +24,8 @@
 //    w^2 / (12 sigma2) of the mesh's curvature is then taken for folded where the map is rough enough to hold it.
 // 3. mf_footprint_normals, or mf_footprint_half_vectors once for each light.
 // 4. Shade each light with mf_footprint_shade, or with your own BRDF: D and V of the lobe's tensor, of a glint ratio g (mean 1)
-//    times D alone, and mf_diffuse_cosine for diffuse light. Of a mixture, each lobe by itself, and the sum by weights.
+//    times D alone, and mf_diffuse_cosine for diffuse light. Of a mixture, each lobe by itself, and the sum by weights. The file
+//    glint tells how a ratio is found for this lobe and a light.
 //
 // Derivatives that are 0 give the chain's lobe back, bit by bit.
 

@@ -128,7 +128,7 @@ fn mf_kappa_from_mean_length(mean_length: f32) -> f32 {
         return r * (3.0 + r2 * (1.8 + r2 * (1.6971429 + r2 * 1.7588571)));
     }
     var kappa: f32 = r * (3.0 - r2) / (1.0 - r2);
-    for (var i: u32 = 0u; i < 2u; i = i + 1u) {
+    for (var i: u32 = 0u; i < 2u; i = i + 1u) { // turns: 2
         let e: f32 = exp(-2.0 * kappa);
         let a: f32 = (1.0 + e) / (1.0 - e) - 1.0 / kappa;
         kappa = kappa - (a - r) / (1.0 - a * a - 2.0 * a / kappa);

@@ -52,6 +52,10 @@ pub static KERNELS: &[Kernel] = &[
     kernel!("shading", "specular and diffuse terms, energy compensation, bent reflections"),
     kernel!("geometric_aa", "geometric filtering after Kaplanyan and Tokuyoshi, derivatives as arguments"),
     kernel!("geometric_aa_screen", "the same with the screen's derivatives, for fragment shaders"),
+    kernel!("glint_chance", "hashes, normal quantile and error function, binomial and Poisson counts"),
+    kernel!("glint", "flakes: the chart of a lobe, a pixel and a light in units of flakes"),
+    kernel!("glint_field", "the glint ratio as the sum over a pixel's own flakes"),
+    kernel!("glint_binomial", "the glint ratio from counts in cells, after Zirr and Kaplanyan"),
     kernel!("footprint", "the one call: mip chain, curvature and glints to the lobe to shade with"),
 ];
 

@@ -3,6 +3,10 @@
 
 pub mod footprint;
 pub mod geometric_aa;
+pub mod glint;
+pub mod glint_binomial;
+pub mod glint_chance;
+pub mod glint_field;
 pub mod moments;
 pub mod ndf;
 pub mod roughness;

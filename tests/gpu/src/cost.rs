@@ -57,9 +57,9 @@ fn special(n: u32) -> Cost {
     Cost { plain: 0, special: n }
 }
 
-/// The cost of every function of a program, with all that it calls; both sides of an `if` count, and a loop's body
-/// `turns` times.
-pub fn costs(text: &str, turns: u32) -> BTreeMap<String, Cost> {
+/// The cost of every function of a program, with all that it calls; both sides of an `if` count, and a loop's body as often as
+/// a comment `// turns: 4` after its head says.
+pub fn costs(text: &str) -> BTreeMap<String, Cost> {
     let module = wgsl::parse_str(text).unwrap_or_else(|e| panic!("{}", e.emit_to_string(text)));
     let mut validator = Validator::new(ValidationFlags::all(), Capabilities::default());
     let info = validator.validate(&module).unwrap_or_else(|e| panic!("{}", e.emit_to_string(text)));
@@ -67,7 +67,7 @@ pub fn costs(text: &str, turns: u32) -> BTreeMap<String, Cost> {
     let mut named = BTreeMap::new();
     // A function stands after those that it calls.
     for (handle, function) in module.functions.iter() {
-        let count = Count { module: &module, function, info: &info[handle], known: &known, turns };
+        let count = Count { module: &module, function, info: &info[handle], known: &known, text };
         let cost = count.block(&function.body);
         known.insert(handle, cost);
         named.extend(function.name.clone().map(|name| (name, cost)));
@@ -75,24 +75,34 @@ pub fn costs(text: &str, turns: u32) -> BTreeMap<String, Cost> {
     named
 }
 
+/// How often the loop with this head turns.
+fn turns(head: &str) -> u32 {
+    let said = head.split_once("{ // turns: ").and_then(|(_, n)| n.parse().ok());
+    said.unwrap_or_else(|| panic!("no `// turns: ` after the head of a loop: {head}"))
+}
+
 struct Count<'a> {
     module: &'a Module,
     function: &'a Function,
     info: &'a FunctionInfo,
     known: &'a BTreeMap<Handle<Function>, Cost>,
-    turns: u32,
+    text: &'a str,
 }
 
 impl Count<'_> {
     fn block(&self, block: &Block) -> Cost {
         let mut sum = Cost::default();
-        for statement in block {
+        for (statement, span) in block.span_iter() {
             sum += match statement {
                 Statement::Emit(range) => range.clone().fold(Cost::default(), |sum, e| sum + self.expression(e)),
                 Statement::Call { function, .. } => self.known[function],
                 Statement::Block(inner) => self.block(inner),
                 Statement::If { accept, reject, .. } => self.block(accept) + self.block(reject),
-                Statement::Loop { body, continuing, .. } => (self.block(body) + self.block(continuing)) * self.turns,
+                Statement::Loop { body, continuing, .. } => {
+                    let head =
+                        self.text.lines().nth(span.location(self.text).line_number as usize - 1).unwrap_or_default();
+                    (self.block(body) + self.block(continuing)) * turns(head)
+                }
                 _ => Cost::default(),
             };
         }

@@ -101,6 +101,30 @@ pub fn run(gpu: &Gpu, subject: &str, cases: Vec<Case>, languages: &[Language]) -
     Ok(calls.iter().map(row).collect())
 }
 
+/// What a function of a file returns for these arguments, in one language.
+pub fn results(
+    gpu: &Gpu,
+    subject: &str,
+    name: &str,
+    inputs: &[Vec<f64>],
+    language: Language,
+) -> Result<Vec<Vec<f64>>, String> {
+    let bundle = bundle(subject, language)?;
+    let function = bundle.names.function(name).ok_or_else(|| format!("{subject} has no function {name}"))?.clone();
+    let (mut given, mut returned) = (Vec::new(), Vec::new());
+    function.arguments.iter().for_each(|(_, kind)| scalars(&bundle.names, kind, &mut given));
+    scalars(&bundle.names, &function.result, &mut returned);
+    let text = wrapped(&bundle, language, Stage::Compute, std::slice::from_ref(&function))?;
+    let program = Program::new(language, Stage::Compute, &text)?;
+    let calls = inputs.len().next_multiple_of(CALLS_AT_ONCE);
+    let all = (0..calls).flat_map(|i| inputs[i.min(inputs.len() - 1)].iter().zip(given.iter().cycle()));
+    let words: Vec<u32> = all.map(|(&v, s)| s.word(v)).collect();
+    assert_eq!(words.len(), calls * given.len(), "{name} takes {} scalars", given.len());
+    let out = gpu.run(&program, 0, calls, &words, calls * returned.len())?;
+    let value = |words: &[u32]| words.iter().zip(&returned).map(|(&w, s)| s.value(w)).collect();
+    Ok(out.chunks_exact(returned.len()).take(inputs.len()).map(value).collect())
+}
+
 /// The arguments of all calls as the shader gets them.
 struct Calls {
     case: Case,

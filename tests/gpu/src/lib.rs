@@ -23,6 +23,8 @@ pub mod harness;
 pub mod source;
 pub mod token;
 pub mod translate;
+/// What the twins of glints call.
+pub use mipfold_glint_room::{glint, ndf, roughness};
 /// The twins, by path, so that the shader tests need not build the whole library.
 #[path = "../../../src/kernels/twins/mod.rs"]
 pub mod twins;

@@ -1,0 +1,372 @@
+// Generated from kernels/wgsl/glint.wgsl: change that file, not this one.
+#ifndef MF_GLINT_HLSL
+#define MF_GLINT_HLSL
+
+// Glints: what a pixel sees of a surface that is made of countless small mirrors, its flakes. Chart and areas, for the
+// evaluators in glint_field and glint_binomial.
+// Needs: roughness, glint_chance
+//
+// An evaluator returns the ratio g by which the flakes in a pixel answer a light, with mean 1 whatever the lobe, the pixel and
+// the light: shade with D(h) g in place of D(h). Where many flakes are seen g tends to 1. How a shader joins it all:
+//
+// 1. The lobe to shade with, from mip chain and curvature: mf_footprint_normals (footprint), for all lights.
+// 2. Once a pixel: MfGlintPixel p = mf_glint_pixel(uv, change of uv per pixel along screen x and y, flakes). Nothing here takes
+//    derivatives, so that compute shaders and ray tracers can ask too; they bring their own.
+// 3. For each light, with the unit half vector h in the mesh's tangent frame:
+//    - the half vector in the lobe's own frame: b = mf_bent_components(lobe.normal, h), (b.x, b.y, dot(lobe.normal, h));
+//    - the lobe over slopes in that frame: mean 0, lobe.tensor, GGX (an MfGlintLobe);
+//    - omega = mf_glint_half_vectors(of the flake, of the light, l.h, change of h per pixel);
+//    - MfGlintLight a = mf_glint_light(lobe over slopes, h, omega);
+//    - g = mf_glint_field(p, a, flakes), or mf_glint_binomial;
+//    - mf_footprint_shade(lobe, v, l, f0, g, scale), or a BRDF of your own with D times g.
+//    Half vectors that change over the pixel may be told either to footprint (the lobe becomes smooth) or to
+//    mf_glint_half_vectors (flakes answer for longer): the latter for glints, with the lobe of mf_footprint_normals.
+//
+// Flakes carry equal projected area, so a flake's normal m has density D(m) cos m, and a flake answers with chance D(h) cos(h)
+// omega. Effective areas, 1 / integral of a kernel's square, of the pixel (in flakes) and of directions multiply to the
+// expected number N_eff of answering flakes; the variance of g is 1 / N_eff, or that times 1 + variation^2.
+//
+// All chance is integer hashing, the same bits on every device. Places are a whole cell (i32, repeats after 2^32) and a
+// fraction, so that they stay exact far from the origin. Floats are rounded down only where what could be missed weighs 0.
+
+// Effective area 1 / integral W^2 of a round biweight of radius 1: 5 pi / 9.
+static const float MF_BIWEIGHT_AREA = 1.74532925;
+
+// Squared radius of a pixel's biweight, pixels squared. Its variance per axis, an eighth of this, is that of a Gaussian of
+// deviation 1/2 pixel.
+static const float MF_GLINT_SUPPORT2 = 2.0;
+
+// Longest kernel of a pixel, in widths. Longer footprints are widened, as texture samplers do it.
+static const float MF_GLINT_ANISOTROPY = 64.0;
+
+// Smallest share of flakes that answer: rarer ones are told apart no finer.
+static const float MF_GLINT_LEAST = 1.0e-9;
+
+// Effective flakes from which g is 1, and from half of which it tends there.
+static const float MF_GLINT_SMOOTH = 1.0e4;
+
+// A material's flakes.
+struct MfFlakes {
+    float cells; // root of the density: flakes per unit of length of uv, more than 0, to 2^21
+    uint seed; // another seed, another surface
+    float variation; // standard deviation of the flakes' areas over their mean, 0 to 3
+    float coverage; // share of the surface that flakes cover, more than 0, at most 1: their size in close-ups
+    float stretch; // for scratches, length over width of the flakes' cells; 1 for none
+    float2 along; // unit, uv, the long side of scratches; (1, 0) for none
+};
+
+// A number as a whole one and a rest, 0 to 1.
+struct MfWhole {
+    int whole;
+    float rest;
+};
+
+// A pixel's kernel over the surface: a biweight over an ellipse, 3 (1 - t)^2 / (pi root) for t = d^T C^-1 d below 1.
+struct MfGlintKernel {
+    float3 tensor; // C (xx, xy, yy), cells squared
+    float root; // sqrt(det C): long times short radius, known better than by the tensor; 0 where nothing can be asked
+};
+
+// A pixel in units of flakes: cells of one flake each.
+struct MfGlintPixel {
+    int2 cell; // of the pixel's centre
+    float2 within; // place in it, 0 to 1
+    MfGlintKernel kernel;
+};
+
+// The smooth lobe that flakes make up, over slopes -(h.x, h.y) / h.z.
+struct MfGlintLobe {
+    float2 mean; // mean slope; 0 in the lobe's own frame
+    float3 tensor; // roughness tensor; widths below MF_SMOOTHEST are raised to it
+    bool beckmann; // Beckmann; else GGX
+};
+
+// A direction in the chart of a lobe.
+struct MfGlintPoint {
+    float2 y; // the square in which the flakes' normals are uniform, 0 to 1
+    float density; // D(h) cos(h), 1/sr
+};
+
+// A light as a pixel's flakes see it.
+struct MfGlintLight {
+    float2 y; // of the half vector in the chart, 0 to 1
+    float area; // effective share of flakes that answer, MF_GLINT_LEAST to MF_BIWEIGHT_AREA / 4; 0 where nothing can be asked
+    float2 widths; // the half vector on an equal-area map of the hemisphere, in widths of what answers
+};
+
+// A flake.
+struct MfFlake {
+    float2 place; // in its cell, 0 to 1
+    float2 y; // direction in the chart, 0 to 1
+    float mark; // uniform in 0..1, for its size
+};
+
+// From the unit disk to the unit square, equal areas to equal areas (Shirley & Chiu 1997). The arc tangent is a polynomial of
+// our own, within 2e-7: graphics interfaces promise 4096 units in the last place for theirs.
+float2 mf_disk_to_square(float2 d) {
+    float r = length(d);
+    bool wide = abs(d.x) > abs(d.y);
+    float major = d.y;
+    float minor = d.x;
+    if (wide) {
+        major = d.x;
+        minor = d.y;
+    }
+    if (major == 0.0) {
+        return float2(0.5, 0.5);
+    }
+    float x = minor / major;
+    float q = x * x;
+    float t = 0.030278297 - 0.0058057075 * q;
+    t = -0.07490437 + t * q;
+    t = 0.1256543 + t * q;
+    t = -0.17829543 + t * q;
+    t = 0.25422725 + t * q;
+    t = -0.42439383 + t * q;
+    t = 1.2732394 + t * q;
+    float a = 0.5 * r * sign(major);
+    float b = clamp(t * x, -1.0, 1.0) * a;
+    if (wide) {
+        return float2(clamp(0.5 + a, 0.0, 1.0), clamp(0.5 + b, 0.0, 1.0));
+    }
+    return float2(clamp(0.5 + b, 0.0, 1.0), clamp(0.5 + a, 0.0, 1.0));
+}
+
+// The way back. Sine and cosine are polynomials of our own, within 1e-7.
+float2 mf_square_to_disk(float2 y) {
+    float a = 2.0 * y.x - 1.0;
+    float b = 2.0 * y.y - 1.0;
+    bool wide = abs(a) > abs(b);
+    float major = b;
+    float minor = a;
+    if (wide) {
+        major = a;
+        minor = b;
+    }
+    if (major == 0.0) {
+        return float2(0.0, 0.0);
+    }
+    float x = minor / major;
+    float q = x * x;
+    float s = major * x * (0.7853982 + q * (-0.080745436 + q * (0.0024900069 - 3.595429e-5 * q)));
+    float c = major * (1.0 + q * (-0.30842513 + q * (0.015854325 + q * (-3.259387e-4 + 3.529797e-6 * q))));
+    if (wide) {
+        return float2(c, s);
+    }
+    return float2(s, c);
+}
+
+// Cholesky factor (xx, xy, yy) of a lobe's tensor, L L^T = R: continuous in the tensor, as axes are not.
+float3 mf_glint_factor(float3 tensor) {
+    float least = MF_SMOOTHEST * MF_SMOOTHEST;
+    float xx = sqrt(max(tensor.x, least));
+    float xy = tensor.y / xx;
+    return float3(xx, xy, sqrt(max(max(tensor.z, least) - xy * xy, least)));
+}
+
+// The chart of a lobe at a unit h with h.z above 0. Slopes are whitened by the lobe, the share of flakes less steep with the
+// slope's direction is a point of the disk, and the disk goes to the square: dy = D(m) cos(m) dm all the way, so one set of
+// flakes serves every lobe.
+MfGlintPoint mf_glint_point(MfGlintLobe lobe, float3 h) {
+    float3 l = mf_glint_factor(lobe.tensor);
+    // Whitened slopes times h.z: nothing overflows at the horizon.
+    float x = (-h.x - lobe.mean.x * h.z) / l.x;
+    float y = (-h.y - lobe.mean.y * h.z - l.y * x) / l.z;
+    float w2 = x * x + y * y;
+    float area = MF_PI * l.x * l.z;
+    MfGlintPoint o;
+    if (lobe.beckmann) {
+        float q = w2 / max(h.z * h.z, 1.0e-30);
+        float scale = sqrt(mf_one_minus_exp(q) / max(w2, 1.0e-30));
+        o.y = mf_disk_to_square(float2(x * scale, y * scale));
+        o.density = exp(-min(q, 100.0)) / (area * max(h.z * h.z * h.z, 1.0e-30));
+    } else {
+        float s2 = h.z * h.z + w2;
+        float scale = rsqrt(s2);
+        o.y = mf_disk_to_square(float2(x * scale, y * scale));
+        o.density = h.z / (area * s2 * s2);
+    }
+    return o;
+}
+
+// The unit normal of a flake at a point y of the chart, 0 to 1: to sample, or to shade flakes one by one.
+float3 mf_glint_normal(MfGlintLobe lobe, float2 y) {
+    float3 l = mf_glint_factor(lobe.tensor);
+    float2 d = mf_square_to_disk(y);
+    float u = min(dot(d, d), 0.9999999);
+    float scale = rsqrt(1.0 - u);
+    if (lobe.beckmann) {
+        scale = 1.0 + 0.25 * u;
+        if (u > 1.0e-4) {
+            scale = sqrt(-mf_ln_one_minus(u) / u);
+        }
+    }
+    float2 s = d * scale;
+    return normalize(float3(-lobe.mean.x - l.x * s.x, -lobe.mean.y - l.y * s.x - l.z * s.y, 1.0));
+}
+
+// Solid angle (sr) of half vectors that a flake with a GGX or Beckmann lobe of its own answers, alpha 0 to 1: the effective area
+// 1 / integral K^2 of the lobe's density over slopes. The smooth lobe is then the flakes' normals spread by this lobe.
+float mf_flake_solid_angle(float alpha, bool beckmann) {
+    if (beckmann) {
+        return 2.0 * MF_PI * alpha * alpha;
+    }
+    return 3.0 * MF_PI * alpha * alpha;
+}
+
+// Solid angle (sr) of a round light seen under this half angle, radians to pi: 0.00465 for the sun.
+float mf_cone_solid_angle(float half_angle) {
+    float s = sin(0.5 * half_angle);
+    return 4.0 * MF_PI * s * s;
+}
+
+// Solid angle (sr) of half vectors that make a flake shine in the pixel: of the flake (mf_flake_solid_angle), of the light from
+// the surface, 0 for a point, over 4 l.h (Walter et al. 2007, eq. 14), and of the change of the unit half vector per pixel
+// along screen x and y, 0 if not known. The latter is added as a tensor, so that a change along one direction counts.
+float mf_glint_half_vectors(float flake, float light, float l_dot_h, float3 dhdx, float3 dhdy) {
+    float still = max(flake, 0.0) + max(light, 0.0) / (4.0 * max(abs(l_dot_h), 1.0e-3));
+    float r2 = still / MF_BIWEIGHT_AREA;
+    // (r2 + xx) (r2 + yy) - xy^2, without the difference: xx yy - xy^2 is the square of a cross product.
+    float trace = MF_GLINT_SUPPORT2 * (dot(dhdx, dhdx) + dot(dhdy, dhdy));
+    float3 c = MF_GLINT_SUPPORT2 * cross(dhdx, dhdy);
+    return MF_BIWEIGHT_AREA * sqrt(r2 * r2 + r2 * trace + dot(c, c));
+}
+
+// The half vector of a light in a lobe's frame (of any length, h.z above 0: else nothing can be asked), with the solid angle of half
+// vectors that answer.
+MfGlintLight mf_glint_light(MfGlintLobe lobe, float3 half_vector, float omega) {
+    float3 h = normalize(half_vector);
+    MfGlintLight o;
+    o.y = float2(0.5, 0.5);
+    o.area = 0.0;
+    o.widths = float2(0.0, 0.0);
+    float known = abs(omega) + abs(h.x) + abs(h.y) + abs(lobe.mean.x) + abs(lobe.mean.y);
+    float size = abs(lobe.tensor.x) + abs(lobe.tensor.y) + abs(lobe.tensor.z);
+    // Comparisons with what is not a number are false.
+    if (h.z > 0.0 && h.z < 2.0 && known < 1.0e9 && size < 1.0e9) {
+        MfGlintPoint at = mf_glint_point(lobe, h);
+        o.y = at.y;
+        o.area = clamp(at.density * max(omega, 0.0), MF_GLINT_LEAST, 0.25 * MF_BIWEIGHT_AREA);
+        // Lambert's map, (h.x, h.y) sqrt(2 / (1 + h.z)).
+        o.widths = float2(h.x, h.y) * sqrt(2.0 / ((1.0 + h.z) * max(omega, MF_GLINT_LEAST)));
+    }
+    return o;
+}
+
+// m x as a whole number and a rest, |m| and |x| below 2^21: right to (|m| + |x|) 2^-33 and the rest's rounding, where f32 alone
+// leaves |m x| 2^-24, some cells far from the origin. Both are cut at the point and ten bits below it; products of whole parts
+// are exact.
+MfWhole mf_whole_product(float m, float x) {
+    float ma = abs(m);
+    float xa = abs(x);
+    float mi = floor(ma);
+    float xi = floor(xa);
+    float mf = (ma - mi) * 1024.0;
+    float xf = (xa - xi) * 1024.0;
+    int a = int(xi) * int(mf);
+    int b = int(mi) * int(xf);
+    float fine = float(a & 1023) + float(b & 1023) + xi * frac(mf) + mi * frac(xf) + mf * xf * 0.0009765625;
+    int whole = int(mi) * int(xi) + (a >> 10u) + (b >> 10u);
+    float side = sign(m) * sign(x);
+    float rest = side * fine * 0.0009765625;
+    float up = floor(rest);
+    MfWhole o;
+    o.whole = int(side) * whole + int(up);
+    o.rest = rest - up;
+    return o;
+}
+
+// dot(m, x) as a whole number and a rest: see mf_whole_product.
+MfWhole mf_whole_dot(float2 m, float2 x) {
+    MfWhole a = mf_whole_product(m.x, x.x);
+    MfWhole b = mf_whole_product(m.y, x.y);
+    float up = floor(a.rest + b.rest);
+    MfWhole o;
+    o.whole = a.whole + b.whole + int(up);
+    o.rest = a.rest + b.rest - up;
+    return o;
+}
+
+// The kernel of a pixel: dx and dy are the change of its place per pixel along screen x and y, in cells; flake is the support
+// radius of a flake, more than 0: close-ups show disks, not points. The determinant is a sum, without the difference that loses
+// the short side of a long ellipse.
+MfGlintKernel mf_glint_kernel(float2 dx, float2 dy, float flake) {
+    float r2 = flake * flake;
+    float xx = MF_GLINT_SUPPORT2 * (dx.x * dx.x + dy.x * dy.x);
+    float xy = MF_GLINT_SUPPORT2 * (dx.x * dx.y + dy.x * dy.y);
+    float yy = MF_GLINT_SUPPORT2 * (dx.y * dx.y + dy.y * dy.y);
+    float area = MF_GLINT_SUPPORT2 * (dx.x * dy.y - dx.y * dy.x);
+    MfGlintKernel o;
+    // So large that any light finds enough flakes.
+    o.tensor = float3(1.0e16, 0.0, 1.0e16);
+    o.root = 1.0e16;
+    if (xx + yy + r2 < 1.0e16) {
+        float det = area * area + r2 * (xx + yy + r2);
+        float mean = 0.5 * (xx + yy) + r2;
+        float side = 0.5 * (xx - yy);
+        float spread = sqrt(side * side + xy * xy);
+        float long2 = mean + spread;
+        float least = long2 / (MF_GLINT_ANISOTROPY * MF_GLINT_ANISOTROPY);
+        o.tensor = float3(xx + r2, xy, yy + r2);
+        o.root = sqrt(det);
+        if (det < least * long2) {
+            // The part across the long side goes to `least`; spread is not 0 here.
+            float scale = 0.5 * (long2 - least) / spread;
+            float middle = 0.5 * (long2 + least);
+            o.tensor = float3(middle + scale * side, scale * xy, middle - scale * side);
+            o.root = long2 / MF_GLINT_ANISOTROPY;
+        }
+    }
+    return o;
+}
+
+// C^(-1/2) of a kernel: |S d|^2 is the squared distance from the centre, 1 at the rim, and keeps its digits across long ellipses.
+float3 mf_glint_inverse_root(MfGlintKernel kernel) {
+    float3 c = kernel.tensor;
+    float scale = 1.0 / (kernel.root * sqrt(c.x + c.z + 2.0 * kernel.root));
+    return float3((c.z + kernel.root) * scale, -c.y * scale, (c.x + kernel.root) * scale);
+}
+
+// Length over width of a kernel, 1 or more.
+float mf_glint_anisotropy(MfGlintKernel kernel) {
+    float side = 0.5 * (kernel.tensor.x - kernel.tensor.z);
+    float long2 = 0.5 * (kernel.tensor.x + kernel.tensor.z) + sqrt(side * side + kernel.tensor.y * kernel.tensor.y);
+    return max(long2 / kernel.root, 1.0);
+}
+
+// A pixel in units of flakes: uv at its centre, and the change of uv per pixel along screen x and y. |uv| to 2^21. Without
+// scratches the place is that of the given numbers (mf_whole_product); with them it is rounded as f32 is.
+MfGlintPixel mf_glint_pixel(float2 uv, float2 dx, float2 dy, MfFlakes flakes) {
+    float2 m = flakes.cells * flakes.along;
+    float2 n = flakes.cells * float2(-flakes.along.y, flakes.along.x);
+    float stretch = sqrt(max(flakes.stretch, 1.0));
+    if (stretch > 1.0) {
+        m = m / stretch;
+        n = n * stretch;
+    }
+    float size = sqrt(clamp(flakes.coverage, 1.0e-6, 1.0) / MF_BIWEIGHT_AREA);
+    float change = abs(dx.x) + abs(dx.y) + abs(dy.x) + abs(dy.y);
+    MfGlintKernel none;
+    none.tensor = float3(1.0, 0.0, 1.0);
+    none.root = 0.0;
+    MfGlintPixel o;
+    o.cell = int2(0, 0);
+    o.within = float2(0.0, 0.0);
+    o.kernel = none;
+    // Comparisons with what is not a number are false.
+    if (flakes.cells > 0.0 && flakes.cells * stretch < 4.0e6 && abs(uv.x) + abs(uv.y) < 1.0e9 && change < 1.0e15) {
+        MfWhole x = mf_whole_dot(m, uv);
+        MfWhole y = mf_whole_dot(n, uv);
+        o.cell = int2(x.whole, y.whole);
+        o.within = float2(x.rest, y.rest);
+        o.kernel = mf_glint_kernel(float2(dot(m, dx), dot(n, dx)), float2(dot(m, dy), dot(n, dy)), size);
+    }
+    return o;
+}
+
+// Effective number of answering flakes: 0 where nothing can be asked, then g is 1.
+float mf_glint_effective(MfGlintPixel seen, MfGlintLight light) {
+    return MF_BIWEIGHT_AREA * seen.kernel.root * light.area;
+}
+
+#endif
