@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
 use super::compare_args::CompareArgs;
+use super::glint_args::GlintArgs;
 use super::lobes_arg::LobesArg;
 use crate::codec::Depth;
 use crate::curvature::LONGEST_SIDE;
@@ -62,6 +63,8 @@ pub enum Command {
     BakeCurvature(BakeArgs),
     /// Make a sample material, build and judge its chain, and draw it from near to far
     Demo(DemoArgs),
+    /// Put flakes on a material: its chain, maps of where the flakes are, and pictures of it glinting
+    Glint(GlintArgs),
     /// Print shader helpers to include: what reads the maps, filters geometry and shades
     Kernels(KernelsArgs),
 }
@@ -340,7 +343,7 @@ pub fn fold_name(name: &str) -> Result<&'static Fold, String> {
     })
 }
 
-fn number(text: &str, ok: impl Fn(f32) -> bool, expected: &str) -> Result<f32, String> {
+pub fn number(text: &str, ok: impl Fn(f32) -> bool, expected: &str) -> Result<f32, String> {
     let value: f32 = text.parse().map_err(|_| format!("expected {expected}"))?;
     if value.is_finite() && ok(value) { Ok(value) } else { Err(format!("expected {expected}")) }
 }
@@ -358,7 +361,7 @@ fn degrees(text: &str) -> Result<f64, String> {
     number(text, |v| (0.0..=180.0).contains(&v), "an angle from 0 to 180 degrees").map(f64::from)
 }
 
-fn positive(text: &str) -> Result<f32, String> {
+pub fn positive(text: &str) -> Result<f32, String> {
     number(text, |v| v > 0.0, "a number above 0")
 }
 
@@ -370,6 +373,6 @@ fn not_negative(text: &str) -> Result<f32, String> {
     number(text, |v| v >= 0.0, "a number from 0 up")
 }
 
-fn unit(text: &str) -> Result<f32, String> {
+pub fn unit(text: &str) -> Result<f32, String> {
     number(text, |v| (0.0..=1.0).contains(&v), "a number from 0 to 1")
 }

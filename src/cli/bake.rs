@@ -204,7 +204,7 @@ fn into_texture(
     let (mesh, file, uv_set) = (&bake.mesh, &args.mesh, bake.group.uv_set);
     let under = Some(Under { mesh, file, sha256, uv_set, options: baking });
     let form = args.folding.form();
-    let job = Job { inputs: &inputs, read: &read, under, options, form, request };
+    let job = Job { inputs: &inputs, read: &read, under, flakes: None, options, form, request };
     job.run(dry_run, &report.progress).map(|done| done.built)
 }
 

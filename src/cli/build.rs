@@ -50,7 +50,7 @@ pub fn run(args: &BuildArgs, global: &Global, report: &mut Report) -> Result<()>
                 force: global.force,
             };
             let (read, form) = (&codec::read, args.folding.form());
-            let job = Job { inputs, read, under: None, options: &options, form, request: &request };
+            let job = Job { inputs, read, under: None, flakes: None, options: &options, form, request: &request };
             job.run(global.dry_run, &report.progress).map(|done| done.built)
         })
         .collect();

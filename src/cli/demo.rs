@@ -87,7 +87,7 @@ fn one(sample: &Sample, args: &DemoArgs, options: &Options, global: &Global, rep
         force: global.force,
     };
     let form = args.folding.form();
-    let job = Job { inputs: &inputs, read: &read, under: None, options, form, request: &request };
+    let job = Job { inputs: &inputs, read: &read, under: None, flakes: None, options, form, request: &request };
     let Done { material, options, chain: folded, built } = job.run(global.dry_run, &report.progress)?;
     report.built(built);
     if let Some(folded) = folded {

@@ -5,11 +5,12 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use indicatif::ProgressBar;
 
+use super::glint_args::FlakeArgs;
 use super::report::{Built, Extent, Portion};
 use crate::curvature::{BakeOptions, Mesh, Summary, bake, check};
 use crate::error::Result;
 use crate::fold::{Chain, Options};
-use crate::material::{Inputs, Material, MeshAbout, MeshUnder, ReadPicture, Texels, load_with};
+use crate::material::{Extra, Inputs, Material, MeshAbout, MeshUnder, ReadPicture, Texels, load_with};
 use crate::ndf::Form;
 use crate::output::{MANIFEST, Plan, Request, fold_for, write};
 
@@ -19,6 +20,8 @@ pub struct Job<'a> {
     pub read: ReadPicture<'a>,
     /// The mesh under the texture, if its curvature is to be baked.
     pub under: Option<Under<'a>>,
+    /// Flakes on the surface, if it is to have any.
+    pub flakes: Option<&'a FlakeArgs>,
     pub options: &'a Options,
     /// One width or two; if it was not said, two where the inputs are anisotropic.
     pub form: Option<Form>,
@@ -61,6 +64,13 @@ impl Job<'_> {
             material.ensure_anisotropy_map();
         }
         request.extras.iter().try_for_each(|extra| extra.check(options.form, options.lobes))?;
+        let mut request = request.clone();
+        if let Some(flakes) = self.flakes {
+            let flakes =
+                material.flakes.insert(flakes.load(&material.name, material.size, material.wrap, self.read)?);
+            request.extras.extend((!flakes.levels.is_empty()).then_some(Extra::Flakes));
+        }
+        let request = &request;
         let plan = Plan::new(&material, &options, request);
         plan.check(&material, request)?;
         if let Some(under) = &self.under {

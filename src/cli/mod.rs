@@ -8,6 +8,8 @@ mod chains;
 mod compare;
 mod compare_args;
 mod demo;
+mod glint;
+mod glint_args;
 mod inputs;
 mod job;
 mod judging;
@@ -38,6 +40,7 @@ pub fn run() -> ExitCode {
         Command::Compare(args) => compare::run(args, &cli.global, &mut report),
         Command::Demo(args) => demo::run(args, &cli.global, &mut report),
         Command::BakeCurvature(args) => bake::run(args, &cli.global, &mut report),
+        Command::Glint(args) => glint::run(args, &cli.global, &mut report),
         Command::Kernels(args) => kernels::run(args, &mut report),
     };
     if let Err(error) = result {

@@ -30,6 +30,9 @@ pub struct Flakes {
     pub seed: u32,
     /// Standard deviation of the flakes' areas over their mean, 0 to 3.
     pub size_variation: f64,
+    /// Share of the density that is there, 0 to 1, where a map thins the flakes out. The fewer that are left answer the more
+    /// strongly, so that the mean stays; below [`Flakes::LEAST_SHARE`] they get no sparser.
+    pub share: f64,
     /// Share of the surface that flakes cover, more than 0, at most 1: the size at which close-ups show them.
     pub coverage: f64,
     /// Set for scratches.
@@ -37,9 +40,19 @@ pub struct Flakes {
 }
 
 impl Flakes {
+    /// See [`Flakes::share`].
+    pub const LEAST_SHARE: f64 = 1e-3;
+
     /// Round flakes of equal size that cover the surface.
     pub fn new(density: FlakeDensity, lobe: SolidAngle, seed: u32) -> Self {
-        Self { density, lobe, seed, size_variation: 0.0, coverage: 1.0, streak: None }
+        Self { density, lobe, seed, size_variation: 0.0, share: 1.0, coverage: 1.0, streak: None }
+    }
+
+    /// Squared variation of what the flakes of cells answer: their sizes, and whether they are there. Flakes that are
+    /// there by chance `share`, and so count `1 / share`, have variation `1 / share - 1`; both chances multiply.
+    pub fn variation2(&self) -> f64 {
+        let variation = self.size_variation.clamp(0.0, 3.0);
+        (1.0 + variation * variation) / self.share.clamp(Self::LEAST_SHARE, 1.0) - 1.0
     }
 
     /// Surface coordinates to cells: one flake each. Areas keep their ratio.
@@ -114,7 +127,7 @@ impl Query {
     /// The query in units of flakes. None where g is 1: nothing finite to ask, or no flakes.
     pub fn probe(&self) -> Option<Probe> {
         let (flakes, h) = (&self.flakes, self.h.try_normalize()?);
-        let of_flakes = [flakes.density.0, flakes.lobe.0, flakes.size_variation, flakes.coverage];
+        let of_flakes = [flakes.density.0, flakes.lobe.0, flakes.size_variation, flakes.share, flakes.coverage];
         let of_light = [self.light.solid_angle.0, self.light.l_dot_h];
         if !(h.z > 0.0 && self.uv.is_finite() && of_flakes.iter().chain(&of_light).all(|v| v.is_finite())) {
             return None;
@@ -134,7 +147,6 @@ impl Query {
         if !(y.is_finite() && area.is_finite() && at.is_finite() && widths.is_finite()) {
             return None;
         }
-        let variation = flakes.size_variation.clamp(0.0, 3.0);
-        Some(Probe { at, kernel, y, area, widths, seed: flakes.seed, variation2: variation * variation })
+        Some(Probe { at, kernel, y, area, widths, seed: flakes.seed, variation2: flakes.variation2() })
     }
 }

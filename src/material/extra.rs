@@ -23,6 +23,9 @@ pub enum Extra {
     /// What the mesh adds, as the root of its tensor; of a baked material only
     #[value(skip)]
     Curvature,
+    /// Where flakes are: their density and their share of the surface; of a material with flakes only
+    #[value(skip)]
+    Flakes,
 }
 
 /// `energy` over this is what unsigned textures hold: 1 is a whole byte (102), and nothing is larger, since a GGX lobe
@@ -31,8 +34,8 @@ pub const LARGEST_ENERGY: f32 = 2.5;
 
 impl Extra {
     /// All there are.
-    pub const ALL: [Extra; 6] =
-        [Extra::Axes, Extra::Burley, Extra::Tensor, Extra::Energy, Extra::Diffuse, Extra::Curvature];
+    pub const ALL: [Extra; 7] =
+        [Extra::Axes, Extra::Burley, Extra::Tensor, Extra::Energy, Extra::Diffuse, Extra::Curvature, Extra::Flakes];
 
     /// In options, in file names, and the map's role in the manifest.
     pub fn name(self) -> &'static str {
@@ -43,6 +46,7 @@ impl Extra {
             Extra::Energy => "energy",
             Extra::Diffuse => "diffuse",
             Extra::Curvature => "curvature",
+            Extra::Flakes => "flakes",
         }
     }
 
@@ -58,7 +62,7 @@ impl Extra {
     pub fn check(self, form: Form, lobes: usize) -> Result<()> {
         let option = format!("--extra {}", self.name());
         let wide = matches!(self, Extra::Axes | Extra::Burley | Extra::Tensor);
-        if lobes > 1 && !matches!(self, Extra::Energy | Extra::Curvature) {
+        if lobes > 1 && !matches!(self, Extra::Energy | Extra::Curvature | Extra::Flakes) {
             return Err(Error::invalid_option(&option, format!("{lobes} lobes a texel"), "--lobes iso or aniso"));
         }
         if wide && form == Form::Isotropic {
@@ -84,6 +88,11 @@ impl Extra {
             (Extra::Tensor, _) => &[("s.xx", "tensor-root.xx"), ("s.yy", "tensor-root.yy"), ("s.xy", "tensor-root.xy")],
             (Extra::Energy, _) => &[("energy", "specular-scale")],
             (Extra::Diffuse, _) => &[("diffuse", "diffuse-scale")],
+            (Extra::Flakes, Encoding::Signed) => &[("density", "flake-density"), ("mask", "flake-mask")],
+            // Two channels of a PNG would be gray and alpha.
+            (Extra::Flakes, Encoding::Unsigned) => {
+                &[("density", "flake-density"), ("mask", "flake-mask"), ("unused", "unused")]
+            }
             (Extra::Curvature, Encoding::Signed) => {
                 &[("k.xx", "added-tensor.xx"), ("k.yy", "added-tensor.yy"), ("k.xy", "added-tensor.xy")]
             }
@@ -106,6 +115,9 @@ impl Extra {
             (Extra::Energy, Encoding::Signed) => "specular *= r",
             (Extra::Energy, Encoding::Unsigned) => "specular *= 2.5*r",
             (Extra::Diffuse, _) => "diffuse = albedo/pi * r * max(0, dot(n, l))",
+            (Extra::Flakes, _) => {
+                "variation = sqrt((1 + size_variation^2) / max(r, 0.001) - 1); D *= 1 + g*(glint(variation) - 1)"
+            }
             (Extra::Curvature, Encoding::Signed) => "K = [r b; b g], to be added to R in projected space",
             (Extra::Curvature, Encoding::Unsigned) => {
                 "c = (255*b - 128) / 254; S = [r c; c g]; K = S*S, to be added to R in projected space"
@@ -122,11 +134,12 @@ mod tests {
     fn names_are_those_of_the_options() {
         for extra in Extra::ALL {
             let value = clap::ValueEnum::to_possible_value(&extra);
-            assert_eq!(value.is_none(), extra == Extra::Curvature, "no option of a build");
+            let of_a_build = !matches!(extra, Extra::Curvature | Extra::Flakes);
+            assert_eq!(value.is_some(), of_a_build, "{}", extra.name());
             assert!(value.is_none_or(|value| value.get_name() == extra.name()));
             assert_eq!(Extra::by_name(extra.name()), Some(extra));
             for encoding in [Encoding::Signed, Encoding::Unsigned] {
-                assert!([1, 3].contains(&extra.channels(encoding).len()));
+                assert!([1, 2, 3].contains(&extra.channels(encoding).len()));
             }
         }
         // As the README and the decode formulas have it.

@@ -99,6 +99,7 @@ fn empty(inputs: &Inputs) -> Material {
         notes: inputs.notes.clone(),
         warnings: inputs.warnings.clone(),
         mesh: None,
+        flakes: None,
         normal: None,
         width: None,
         constant: DEFAULT_ROUGHNESS,

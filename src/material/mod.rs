@@ -3,6 +3,7 @@
 mod built;
 pub mod detect;
 mod extra;
+mod flakes;
 mod further;
 mod generate;
 mod gltf;
@@ -22,6 +23,7 @@ mod texels;
 
 pub use built::{Earlier, GENERATOR, MANIFEST, SCHEMA};
 pub use extra::{Extra, LARGEST_ENERGY};
+pub use flakes::{FlakePlaces, FlakesAbout, FlakesFile, MaterialFlakes};
 pub use further::{FurtherMap, FurtherView};
 pub use gltf::{Model, Surface};
 pub use inputs::{ChannelRef, DEFAULT_HEIGHT_SCALE, DEFAULT_ROUGHNESS, Inputs, RoughnessInput};

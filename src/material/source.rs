@@ -7,7 +7,7 @@ use std::sync::Arc;
 use glam::Vec2;
 use serde::{Deserialize, Serialize};
 
-use super::{NormalY, NormalZ, Role, Texels};
+use super::{MaterialFlakes, NormalY, NormalZ, Role, Texels};
 use crate::curvature;
 use crate::image::{Raster, Size, Wrap};
 use crate::ndf::Gltf;
@@ -113,6 +113,8 @@ pub struct Material {
     pub warnings: Vec<String>,
     /// The mesh under the texture, if its curvature was baked.
     pub mesh: Option<MeshUnder>,
+    /// Flakes on the surface, if it has any.
+    pub flakes: Option<MaterialFlakes>,
     /// Map and channel of the normals; flat without.
     pub(super) normal: Option<NormalSource>,
     /// Map and channel of the roughness or smoothness; constant without.

@@ -46,6 +46,11 @@ impl<'a> ExtraLevel<'a> {
                     }) / unit;
                 }
             }
+            Extra::Flakes => {
+                let flakes = self.view.material.flakes.as_ref().expect("a plan is checked for its flakes");
+                let level = &flakes.levels[self.k];
+                out.iter_mut().zip(x..).for_each(|(out, x)| *out = level.get((y, x, channel)).copied().unwrap_or(0.0));
+            }
             Extra::Axes | Extra::Burley | Extra::Tensor | Extra::Curvature => {
                 let tensors = match self.extra {
                     Extra::Curvature => self.added(y, x, out.len()),

@@ -9,8 +9,8 @@ use crate::codec::Depth;
 use crate::fold::{Chain, Options};
 use crate::image::{Size, Wrap};
 use crate::material::{
-    Encoding, Extra, FurtherMap, GENERATOR, MapFile, Material, MeshAbout, NormalY, NormalZ, Origin, Role, SCHEMA,
-    lobe_channels,
+    Encoding, Extra, FlakesAbout, FurtherMap, GENERATOR, MapFile, Material, MeshAbout, NormalY, NormalZ, Origin, Role,
+    SCHEMA, lobe_channels,
 };
 use crate::ndf::Form;
 
@@ -39,6 +39,8 @@ pub struct Manifest {
     wrap: Wrap,
     constant_roughness: Option<f32>,
     mesh: Option<MeshAbout>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    flakes: Option<FlakesAbout>,
     inputs: Vec<Input>,
     maps: Vec<OutputMap>,
     notes: Vec<String>,
@@ -108,6 +110,7 @@ impl Manifest {
             wrap: material.wrap,
             constant_roughness: constant.then_some(material.constant.0),
             mesh: material.mesh.as_ref().map(|mesh| mesh.about.clone()),
+            flakes: material.flakes.as_ref().map(|flakes| flakes.about.clone()),
             inputs: inputs(material),
             maps: maps(material, chain, plan, request),
             notes: material.notes.clone(),
@@ -223,7 +226,11 @@ fn extras(material: &Material, levels: &[Size], plan: &Plan, request: &Request) 
                     encoding,
                     channels: channels.iter().enumerate().map(named).collect(),
                     levels: levels.to_vec(),
-                    level_0: if wanted == Extra::Curvature { "the mesh" } else { "the inputs' own lobes" },
+                    level_0: match wanted {
+                        Extra::Curvature => "the mesh",
+                        Extra::Flakes => "maps of the flakes",
+                        _ => "the inputs' own lobes",
+                    },
                     decode: Some(wanted.decode(form).to_owned()),
                 });
             }

@@ -185,5 +185,6 @@ pub fn safe_name(name: &str) -> String {
 /// Whether a file is an input of the material.
 pub fn reads(material: &Material, file: &Path) -> bool {
     let input = |map: &MapFile| matches!(&map.origin, Origin::File { path, .. } if same_path(path, file));
-    material.maps.iter().any(input)
+    let flakes = material.flakes.iter().flat_map(|flakes| &flakes.about.files);
+    material.maps.iter().any(input) || flakes.into_iter().any(|read| same_path(Path::new(&read.path), file))
 }

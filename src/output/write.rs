@@ -31,6 +31,10 @@ pub fn write(
     if request.extras.contains(&Extra::Curvature) && material.mesh.is_none() {
         return Err(Error::invalid_option("curvature map", "no mesh", "a material with a baked mesh"));
     }
+    if request.extras.contains(&Extra::Flakes) && material.flakes.as_ref().is_none_or(|flakes| flakes.levels.is_empty())
+    {
+        return Err(Error::invalid_option("map of flakes", "none", "a material with maps of its flakes"));
+    }
     let names: Vec<&str> = plan.outputs.iter().map(|output| output.name.as_str()).collect();
     let input = |name: &String| plan::reads(material, &request.folder.join(name));
     let mut stale = stale(&request.folder, &material.name, &names);

@@ -3,9 +3,11 @@
 use glam::{Mat2, Vec2};
 
 use super::geometry::hit;
+use super::glint::Glints;
 use super::picture::draw;
 use super::texture::Texture;
 use super::{Image, Sampling, Scene};
+use crate::image::Size;
 use crate::ndf::Lobes;
 
 /// How the texture moves from frame to frame. The object and its lights stand still, so that every pixel that sees it
@@ -79,30 +81,69 @@ pub fn sequence(
 ) -> Vec<Image> {
     let texture = Texture::new(levels);
     let frame = |frame: usize| {
-        let texels = motion.texels(frame, frames);
-        let (scene, steps) = at_distance(scene, &texture, texels, pixels);
-        let shift = match motion {
-            Motion::Zoom => Vec2::ZERO,
-            Motion::Pan => frame as f32 * (Mat2::from_cols(steps[0], steps[1]) * PAN_STEP),
-        };
         let sampling = match sampling {
             Sampling::Supersampled { per_side } => {
-                let share = (per_side as f32 * texels / motion.farthest()).ceil() as usize;
-                Sampling::Supersampled { per_side: share.max(LEAST_RAYS.min(per_side)) }
+                let share = per_side as f32 * motion.texels(frame, frames) / motion.farthest();
+                Sampling::Supersampled { per_side: (share.ceil() as usize).max(LEAST_RAYS.min(per_side)) }
             }
             mips => mips,
         };
-        let image = draw(&scene, &texture, shift, pixels, sampling);
+        let image = moved(scene, &texture, motion, (frame, frames), pixels, sampling, None);
         done();
         image
     };
     (0..frames).map(frame).collect()
 }
 
+/// [`sequence`] with flakes all over the object, one ray a pixel.
+pub fn glinting_sequence(
+    scene: &Scene,
+    levels: &[Lobes],
+    motion: Motion,
+    frames: usize,
+    pixels: usize,
+    glints: &Glints,
+    done: &(dyn Fn() + Sync),
+) -> Vec<Image> {
+    let texture = Texture::new(levels);
+    let frame = |frame: usize| {
+        let image = moved(scene, &texture, motion, (frame, frames), pixels, Sampling::mips(1), Some(glints));
+        done();
+        image
+    };
+    (0..frames).map(frame).collect()
+}
+
+/// A frame of so many.
+fn moved(
+    scene: &Scene,
+    texture: &Texture,
+    motion: Motion,
+    (frame, frames): (usize, usize),
+    pixels: usize,
+    sampling: Sampling,
+    glints: Option<&Glints>,
+) -> Image {
+    let (scene, steps) = at_distance(scene, texture.size(), motion.texels(frame, frames), pixels);
+    let shift = match motion {
+        Motion::Zoom => Vec2::ZERO,
+        Motion::Pan => frame as f32 * (Mat2::from_cols(steps[0], steps[1]) * PAN_STEP),
+    };
+    draw(&scene, texture, shift, pixels, sampling, glints)
+}
+
+impl Scene {
+    /// The scene with as many repeats as put so many texels of level 0, which has this size, along the side of a pixel in
+    /// the middle of a picture.
+    pub fn at_texels(&self, size: Size, texels: f32, pixels: usize) -> Self {
+        at_distance(self, size, texels, pixels).0
+    }
+}
+
 /// The scene with as many repeats as put so many texels along the side of a pixel in the middle, and how texture
 /// coordinates change over that pixel.
-fn at_distance(scene: &Scene, texture: &Texture, texels: f32, pixels: usize) -> (Scene, [Vec2; 2]) {
-    let side = (texture.size().texels() as f32).sqrt();
+fn at_distance(scene: &Scene, size: Size, texels: f32, pixels: usize) -> (Scene, [Vec2; 2]) {
+    let side = (size.texels() as f32).sqrt();
     let once = Scene { repeats: 1.0, ..scene.clone() };
     let middle = |scene: &Scene| hit(scene, Vec2::ZERO, pixels).expect("the middle of the picture is on the object");
     let scene = Scene { repeats: texels / (side * middle(&once).footprint), ..once };
@@ -137,7 +178,7 @@ mod tests {
         for (scene, size) in [(Scene::studio(), Size::new(64, 64)), (Scene::studio_panel(), Size::new(64, 16))] {
             let texture = Texture::new(&[waves(size)]);
             for texels in [1.0, 5.0, 16.0] {
-                let (scene, [right, up]) = at_distance(&scene, &texture, texels, 48);
+                let (scene, [right, up]) = at_distance(&scene, texture.size(), texels, 48);
                 let area =
                     (right * Vec2::new(64.0, size.height as f32)).perp_dot(up * Vec2::new(64.0, size.height as f32));
                 assert!((area.sqrt() / texels - 1.0).abs() < 1e-3, "{area} {texels}");
@@ -156,7 +197,7 @@ mod tests {
     fn a_pan_moves_by_parts_of_a_pixel() {
         let scene = Scene { shape: Shape::Plane { tilt: 0.0 }, ..Scene::studio() };
         let texture = Texture::new(&[waves(Size::new(256, 256))]);
-        let (scene, steps) = at_distance(&scene, &texture, 1.0, 48);
+        let (scene, steps) = at_distance(&scene, texture.size(), 1.0, 48);
         let at = |frames: f32, place: Vec2| {
             let shift = frames * (Mat2::from_cols(steps[0], steps[1]) * PAN_STEP);
             texture.base(hit(&scene, place, 48).unwrap().uv - shift).next().unwrap().0.normal
@@ -172,7 +213,7 @@ mod tests {
     fn frames_are_pictures() {
         let levels = [waves(Size::new(64, 64)), waves(Size::new(32, 32))];
         for (motion, texels) in [(Motion::Zoom, 1.0), (Motion::Pan, 8.0)] {
-            let (scene, _) = at_distance(&Scene::outdoor(), &Texture::new(&levels), texels, 16);
+            let (scene, _) = at_distance(&Scene::outdoor(), levels[0].size(), texels, 16);
             let frames =
                 |sampling| sequence(&Scene::outdoor(), &levels, motion, 2, 16, sampling, &|| ()).swap_remove(0);
             assert_eq!(frames(Sampling::mips(1)), render(&scene, &levels, 16, Sampling::mips(1)));

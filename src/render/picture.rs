@@ -6,6 +6,7 @@ use rayon::prelude::*;
 
 use super::Scene;
 use super::geometry::{hit, ray};
+use super::glint::Glints;
 use super::shade::Lighting;
 use super::texture::{Filter, Texture};
 use crate::image::{Raster, Samples};
@@ -43,21 +44,35 @@ impl Sampling {
 /// A square picture, `pixels` wide, of the scene's object covered in a mip chain: `levels`, level 0 first, each half
 /// as large as the one before, repeating.
 pub fn render(scene: &Scene, levels: &[Lobes], pixels: usize, sampling: Sampling) -> Image {
-    draw(scene, &Texture::new(levels), Vec2::ZERO, pixels, sampling)
+    draw(scene, &Texture::new(levels), Vec2::ZERO, pixels, sampling, None)
+}
+
+/// [`render`], with flakes all over it.
+pub fn render_glints(scene: &Scene, levels: &[Lobes], pixels: usize, sampling: Sampling, glints: &Glints) -> Image {
+    draw(scene, &Texture::new(levels), Vec2::ZERO, pixels, sampling, Some(glints))
 }
 
 /// [`render`], with the texture moved on by `shift` in texture coordinates.
-pub(super) fn draw(scene: &Scene, texture: &Texture, shift: Vec2, pixels: usize, sampling: Sampling) -> Image {
+pub(super) fn draw(
+    scene: &Scene,
+    texture: &Texture,
+    shift: Vec2,
+    pixels: usize,
+    sampling: Sampling,
+    glints: Option<&Glints>,
+) -> Image {
+    let (Sampling::Mips { per_side, .. } | Sampling::Supersampled { per_side }) = sampling;
     let lighting = Lighting::new(&scene.lights, scene.environment, scene.f0);
     let radiance = |place: Vec2| {
         let Some(hit) = hit(scene, place, pixels) else {
             return scene.environment.map_or(scene.background, |sky| sky.radiance(ray(place)));
         };
         let uv = hit.uv - shift;
+        let flakes = glints.map(|glints| glints.at(scene, place, pixels, per_side, &hit, shift));
         // A texel of several lobes shines as its parts do, each by its share of the area.
         let part = |(lobe, weight): (Lobe, f32)| match weight {
             0.0 => Vec3::ZERO,
-            _ => weight * lighting.radiance(&lobe, hit.position, hit.normal, hit.frame, hit.view),
+            _ => weight * lighting.glinting(&lobe, hit.position, hit.normal, hit.frame, hit.view, flakes.as_ref()),
         };
         match sampling {
             Sampling::Mips { filter: Filter::Trilinear, .. } => texture.mipped(uv, hit.footprint).map(part).sum(),
@@ -67,7 +82,6 @@ pub(super) fn draw(scene: &Scene, texture: &Texture, shift: Vec2, pixels: usize,
             Sampling::Supersampled { .. } => texture.base(uv).map(part).sum(),
         }
     };
-    let (Sampling::Mips { per_side, .. } | Sampling::Supersampled { per_side }) = sampling;
     // Rays count from the picture's top left corner.
     let rays = (pixels * per_side) as f32;
     let place = |ray: usize| (2 * ray + 1) as f32 / rays - 1.0;

@@ -1,6 +1,6 @@
 //! What is drawn and how it is lit.
 
-use glam::Vec3;
+use glam::{Quat, Vec3};
 
 use super::Environment;
 
@@ -202,6 +202,59 @@ impl Scene {
         };
         let lights = hazy_sun().chain([lamp, panel]).collect();
         Self { shape: Shape::Plane { tilt: 1.25 }, lights, repeats: 2.0, ..Self::outdoor() }
+    }
+
+    /// A sphere in a dim room with a lamp far away on the upper left and one near by on the right: few lights, so that
+    /// each glint is seen to belong to one.
+    pub fn lamps() -> Self {
+        let far = Vec3::new(-0.45, 0.55, 0.7).normalize();
+        Self {
+            lights: vec![
+                Light::Directional { direction: far, irradiance: Vec3::new(2.2, 2.1, 1.9) },
+                Light::Point { position: Vec3::new(1.9, 0.5, 2.2), intensity: Vec3::new(4.0, 4.6, 6.0) },
+            ],
+            environment: Some(Environment {
+                ground: Vec3::splat(0.02),
+                horizon: Vec3::splat(0.05),
+                zenith: Vec3::new(0.07, 0.08, 0.1),
+                softness: 0.6,
+                sun: far,
+                glow: Vec3::splat(0.1),
+            }),
+            exposure: 0.9,
+            ..Self::studio()
+        }
+    }
+
+    /// A panel in the same room that leans back until both lamps show in it.
+    pub fn lamps_panel() -> Self {
+        Self {
+            shape: Shape::Plane { tilt: 0.9 },
+            lights: vec![
+                Light::Directional {
+                    direction: Vec3::new(-0.22, 0.95, -0.12).normalize(),
+                    irradiance: Vec3::new(1.6, 1.5, 1.35),
+                },
+                Light::Point { position: Vec3::new(0.55, 1.5, -0.9), intensity: Vec3::new(2.0, 2.3, 3.0) },
+            ],
+            ..Self::lamps()
+        }
+    }
+
+    /// With all lights turned about the upright axis through the object's middle; the environment stays.
+    pub fn with_lights_turned(&self, radians: f32) -> Self {
+        let turn = |v: Vec3| Quat::from_rotation_y(radians) * v;
+        let light = |light: &Light| match *light {
+            Light::Directional { direction, irradiance } => {
+                Light::Directional { direction: turn(direction), irradiance }
+            }
+            Light::Point { position, intensity } => Light::Point { position: turn(position), intensity },
+            Light::Rectangle { middle, right, up, radiance, columns, rows } => {
+                let (middle, right, up) = (turn(middle), turn(right), turn(up));
+                Light::Rectangle { middle, right, up, radiance, columns, rows }
+            }
+        };
+        Self { lights: self.lights.iter().map(light).collect(), ..self.clone() }
     }
 }
 

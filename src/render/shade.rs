@@ -6,6 +6,7 @@ use std::f32::consts::FRAC_1_PI;
 use glam::Vec3;
 
 use super::environment::Points;
+use super::glint::Spot;
 use super::{Environment, Light};
 use crate::ndf::{Frame, Lobe};
 use crate::roughness::Alpha;
@@ -63,6 +64,18 @@ impl Group {
     fn new(lights: &[(Vec3, Vec3)]) -> Self {
         let lane = |pick: fn(&(Vec3, Vec3)) -> Vec3, c: usize| from_fn(|i| lights.get(i).map_or(0.0, |l| pick(l)[c]));
         Self { direction: from_fn(|c| lane(|l| l.0, c)), irradiance: from_fn(|c| lane(|l| l.1, c)) }
+    }
+
+    /// Each light times what `ratio` makes of its direction.
+    fn glinting(&self, ratio: impl Fn(Vec3) -> f32) -> Self {
+        let Self { direction, mut irradiance } = *self;
+        for i in 0..LANES {
+            if irradiance.iter().any(|lanes| lanes[i] > 0.0) {
+                let ratio = ratio(Vec3::from_array(direction.map(|lanes| lanes[i])));
+                irradiance.iter_mut().for_each(|lanes| lanes[i] *= ratio);
+            }
+        }
+        Self { direction, irradiance }
     }
 }
 
@@ -193,6 +206,19 @@ impl Lighting {
     /// of irradiance times `F D G2 / (4 n.v)`, as [`ShapeInvariant::specular`] has it, with Schlick's F, and the environment's
     /// reflection.
     pub fn radiance(&self, lobe: &Lobe, position: Vec3, normal: Vec3, frame: Frame, view: Vec3) -> Vec3 {
+        self.glinting(lobe, position, normal, frame, view, None)
+    }
+
+    /// The same of a lobe of flakes, if there are any under the ray: D of each light times their ratio.
+    pub fn glinting(
+        &self,
+        lobe: &Lobe,
+        position: Vec3,
+        normal: Vec3,
+        frame: Frame,
+        view: Vec3,
+        flakes: Option<&Spot>,
+    ) -> Vec3 {
         let world = |v: Vec3| frame.tangent * v.x + frame.bitangent * v.y + normal * v.z;
         let bent = Frame::bent(lobe.normal);
         let axes = [world(bent.tangent), world(bent.bitangent), world(lobe.normal)];
@@ -200,16 +226,26 @@ impl Lighting {
         if v[2] <= 0.0 {
             return Vec3::ZERO;
         }
-        let r = lobe.roughness.clamped(Alpha::SMOOTHEST.squared(), f32::MAX);
-        let (det, r) = (r.determinant(), [r.xx, r.xy, r.yy]);
+        let tensor = lobe.roughness.clamped(Alpha::SMOOTHEST.squared(), f32::MAX);
+        let (det, r) = (tensor.determinant(), [tensor.xx, tensor.xy, tensor.yy]);
         let lobe = Prepared { axes, v, r, det, sv: stretch(r, v[0], v[1], v[2]) };
 
         let mut sums = Sums { facing: [[0.0; LANES]; 3], grazing: [[0.0; LANES]; 3] };
-        self.groups.iter().for_each(|group| lobe.light(group, &mut sums));
+        for group in &self.groups {
+            match flakes {
+                None => lobe.light(group, &mut sums),
+                Some(spot) => {
+                    lobe.light(&group.glinting(|direction| spot.ratio(axes, tensor, &|_| direction)), &mut sums)
+                }
+            }
+        }
         for near in self.near.chunks(LANES) {
             let mut group = Group { direction: [[0.0; LANES]; 3], irradiance: [[0.0; LANES]; 3] };
             for (i, near) in near.iter().enumerate() {
-                let (direction, irradiance) = near.at(position);
+                let (direction, mut irradiance) = near.at(position);
+                if let Some(spot) = flakes.filter(|_| direction.dot(axes[2]) > 0.0) {
+                    irradiance *= spot.ratio(axes, tensor, &|position| near.at(position).0);
+                }
                 for c in 0..3 {
                     group.direction[c][i] = direction[c];
                     group.irradiance[c][i] = irradiance[c];

@@ -81,6 +81,28 @@ pub fn side_by_side(pictures: &[(&str, &Raster)], scale: usize) -> Raster {
     sheet.raster()
 }
 
+/// Pictures of one size in rows and columns that have names. 8-bit RGB.
+pub fn grid(columns: &[&str], rows: &[(&str, Vec<Raster>)]) -> Raster {
+    let cell = rows.iter().flat_map(|(_, pictures)| pictures).map(Raster::size).next();
+    let (across, down) = cell.map_or((0, 0), |size| (size.width, size.height));
+    let left = MARGIN + rows.iter().map(|(name, _)| width(name)).max().unwrap_or(0) + MARGIN;
+    let top = MARGIN + LINE + MARGIN / 2;
+    let pitch = columns.iter().map(|name| width(name)).max().unwrap_or(0).max(across) + GAP;
+    let mut sheet =
+        Sheet::new(left + columns.len() * pitch - GAP + MARGIN, top + rows.len() * (down + GAP) - GAP + MARGIN);
+    for (i, name) in columns.iter().enumerate() {
+        sheet.write(name, left + i * pitch + (pitch - GAP - width(name)) / 2, MARGIN);
+    }
+    for (j, (name, pictures)) in rows.iter().enumerate() {
+        let y = top + j * (down + GAP);
+        sheet.write(name, MARGIN, y + (down - LINE.min(down)) / 2);
+        for (i, picture) in pictures.iter().enumerate() {
+            sheet.place(picture, left + i * pitch + (pitch - GAP - across) / 2, y, (across, down));
+        }
+    }
+    sheet.raster()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -102,5 +124,17 @@ mod tests {
         assert_eq!((pixels[(35, 14, 0)], pixels[(34, 14, 0)], pixels[(35, 13, 0)]), (100, 24, 24));
         assert_eq!((pixels[(35, 60 + 42, 0)], pixels[(35, 60 + 41, 0)]), (200, 24));
         assert_eq!(side_by_side(&[], 3).size(), Size::new(28, 49));
+    }
+
+    #[test]
+    fn grids_have_names_on_two_sides() {
+        let plain = |value: u8| Raster::new(Samples::U8(Array3::from_elem((16, 20, 3), value)));
+        let rows = [("ab", vec![plain(100), plain(101)]), ("c", vec![plain(102), plain(103)])];
+        let sheet = grid(&["one", "three"], &rows);
+        // Columns as wide as "three", 5 letters of 12 pixels; rows stand right of "ab".
+        assert_eq!(sheet.size(), Size::new(14 + 24 + 14 + 60 + 6 + 60 + 14, 14 + 14 + 7 + 16 + 6 + 16 + 14));
+        let Samples::U8(pixels) = &sheet.samples else { panic!("8-bit") };
+        assert!((100..104).all(|value| pixels.iter().filter(|v| **v == value).count() == 3 * 20 * 16));
+        assert_eq!((pixels[(35, 72, 0)], pixels[(57, 138, 0)]), (100, 103));
     }
 }

@@ -1,6 +1,7 @@
 //! Texture look-ups as graphics hardware does them: bilinear, trilinear, anisotropic, repeating.
 
 use glam::{Vec2, Vec3};
+use ndarray::{Array3, Axis};
 
 use crate::image::{Size, Wrap};
 use crate::ndf::{Lobe, Lobes, RoughnessTensor};
@@ -22,38 +23,33 @@ pub enum Filter {
 /// One lobe of a texel: normal x y z, then R.xx R.xy R.yy, then the weight.
 type Texel = [f32; 7];
 
-/// One level, the lobes of a texel and then texels side by side in memory.
-struct Level {
+/// One level of pictures of `N` channels, the pictures of a texel and then texels side by side in memory.
+struct Level<const N: usize> {
     size: Size,
     count: usize,
-    texels: Vec<Texel>,
+    texels: Vec<[f32; N]>,
+}
+
+/// Pictures ready to be looked up, `count` of them side by side.
+struct Mips<const N: usize> {
+    levels: Vec<Level<N>>,
+    count: usize,
 }
 
 /// A mip chain ready to be looked up. Lobe `j` of a texel is mixed with lobe `j` of the others, as if each had textures of
 /// its own.
-pub(super) struct Texture {
-    levels: Vec<Level>,
-    /// Lobes a texel, the same in all levels.
-    count: usize,
-}
+pub(super) struct Texture(Mips<7>);
 
-fn lerp(a: Texel, b: Texel, t: f32) -> Texel {
+/// Mip maps of pairs of numbers, ready to be looked up.
+pub struct Pairs(Mips<2>);
+
+fn lerp<const N: usize>(a: [f32; N], b: [f32; N], t: f32) -> [f32; N] {
     std::array::from_fn(|i| a[i] + (b[i] - a[i]) * t)
 }
 
-impl Level {
-    fn new(lobes: &Lobes, count: usize) -> Self {
-        let size = lobes.size();
-        let texel = |i: usize| {
-            let (place, j) = (i / count, i % count);
-            let (Lobe { normal: n, roughness: r }, weight) = lobes.slot(j, place % size.width, place / size.width);
-            [n.x, n.y, n.z, r.xx, r.xy, r.yy, weight]
-        };
-        Self { size, count, texels: (0..count * size.texels()).map(texel).collect() }
-    }
-
-    /// Lobe `j` of the four nearest texels, by distance.
-    fn bilinear(&self, uv: Vec2, j: usize) -> Texel {
+impl<const N: usize> Level<N> {
+    /// Picture `j` of the four nearest texels, by distance.
+    fn bilinear(&self, uv: Vec2, j: usize) -> [f32; N] {
         let Size { width, height } = self.size;
         // v points up, rows down.
         let place = Vec2::new(uv.x, 1.0 - uv.y) * Vec2::new(width as f32, height as f32) - 0.5;
@@ -68,6 +64,54 @@ impl Level {
     }
 }
 
+impl<const N: usize> Mips<N> {
+    /// Texels of level 0.
+    fn size(&self) -> Size {
+        self.levels[0].size
+    }
+
+    /// Picture `j` at the level whose texels are `texels` of level 0 wide.
+    fn trilinear(&self, uv: Vec2, texels: f32, j: usize) -> [f32; N] {
+        let level = texels.log2().clamp(0.0, (self.levels.len() - 1) as f32);
+        let (fine, t) = (level as usize, level.fract());
+        let near = self.levels[fine].bilinear(uv, j);
+        if t == 0.0 { near } else { lerp(near, self.levels[fine + 1].bilinear(uv, j), t) }
+    }
+
+    /// The level whose texels have the area of a square `footprint` wide in texture coordinates.
+    fn fitting(&self, uv: Vec2, footprint: f32, j: usize) -> [f32; N] {
+        self.trilinear(uv, footprint * (self.size().texels() as f32).sqrt(), j)
+    }
+}
+
+impl Pairs {
+    /// Axes (row, column, number), two numbers; level 0 first; at least one level.
+    pub fn new(levels: &[Array3<f32>]) -> Self {
+        assert!(!levels.is_empty(), "a chain has at least one level");
+        let level = |level: &Array3<f32>| {
+            let (height, width, _) = level.dim();
+            let texels = level.lanes(Axis(2)).into_iter().map(|pair| [pair[0], pair[1]]).collect();
+            Level { size: Size::new(width, height), count: 1, texels }
+        };
+        Self(Mips { levels: levels.iter().map(level).collect(), count: 1 })
+    }
+
+    /// Trilinear, as [`Texture::mipped`].
+    pub(super) fn mipped(&self, uv: Vec2, footprint: f32) -> [f32; 2] {
+        self.0.fitting(uv, footprint, 0)
+    }
+}
+
+fn level(lobes: &Lobes, count: usize) -> Level<7> {
+    let size = lobes.size();
+    let texel = |i: usize| {
+        let (place, j) = (i / count, i % count);
+        let (Lobe { normal: n, roughness: r }, weight) = lobes.slot(j, place % size.width, place / size.width);
+        [n.x, n.y, n.z, r.xx, r.xy, r.yy, weight]
+    };
+    Level { size, count, texels: (0..count * size.texels()).map(texel).collect() }
+}
+
 /// Normals, tensors and weights are averaged apart; the normal is made unit again, as every shader does.
 fn lobe([x, y, z, xx, xy, yy, weight]: Texel) -> (Lobe, f32) {
     (Lobe { normal: Vec3::new(x, y, z).normalize_or(Vec3::Z), roughness: RoughnessTensor { xx, xy, yy } }, weight)
@@ -78,29 +122,30 @@ impl Texture {
     pub fn new(levels: &[Lobes]) -> Self {
         assert!(!levels.is_empty(), "a chain has at least one level");
         let count = levels.iter().map(Lobes::count).max().unwrap_or(1);
-        Self { levels: levels.iter().map(|level| Level::new(level, count)).collect(), count }
+        Self(Mips { levels: levels.iter().map(|lobes| level(lobes, count)).collect(), count })
     }
 
     /// What a probe finds of each lobe. A single one needs no weight.
     fn lobes(&self, probe: impl Fn(usize) -> Texel) -> impl Iterator<Item = (Lobe, f32)> {
-        let alone = self.count == 1;
-        (0..self.count).map(move |j| lobe(probe(j))).map(move |(lobe, weight)| (lobe, if alone { 1.0 } else { weight }))
+        let alone = self.0.count == 1;
+        (0..self.0.count)
+            .map(move |j| lobe(probe(j)))
+            .map(move |(lobe, weight)| (lobe, if alone { 1.0 } else { weight }))
     }
 
     /// Level 0, bilinear: lobes and their weights.
     pub fn base(&self, uv: Vec2) -> impl Iterator<Item = (Lobe, f32)> {
-        self.lobes(move |j| self.levels[0].bilinear(uv, j))
+        self.lobes(move |j| self.0.levels[0].bilinear(uv, j))
     }
 
     /// Trilinear, at the level whose texels have the area of a square `footprint` wide in texture coordinates.
     pub fn mipped(&self, uv: Vec2, footprint: f32) -> impl Iterator<Item = (Lobe, f32)> {
-        let texels = footprint * (self.levels[0].size.texels() as f32).sqrt();
-        self.lobes(move |j| self.trilinear(uv, texels, j))
+        self.lobes(move |j| self.0.fitting(uv, footprint, j))
     }
 
     /// The mean of up to `taps` trilinear probes, for a pixel over which `uv` changes by `steps`, right and up.
     pub fn anisotropic(&self, uv: Vec2, steps: [Vec2; 2], taps: usize) -> impl Iterator<Item = (Lobe, f32)> {
-        let Size { width, height } = self.levels[0].size;
+        let Size { width, height } = self.size();
         let size = Vec2::new(width as f32, height as f32);
         // Axes of the ellipse inscribed in the footprint, in texels: J J^T for the Jacobian J = [a b].
         let [a, b] = steps.map(|step| step * size);
@@ -116,24 +161,16 @@ impl Texture {
             let mut sum = Texel::default();
             for k in 0..count as usize {
                 let along = (k as f32 + 0.5) / count - 0.5;
-                let probe = self.trilinear(uv + along * axis, long / count, j);
+                let probe = self.0.trilinear(uv + along * axis, long / count, j);
                 sum.iter_mut().zip(probe).for_each(|(sum, probe)| *sum += probe / count);
             }
             sum
         })
     }
 
-    /// Lobe `j` at the level whose texels are `texels` of level 0 wide.
-    fn trilinear(&self, uv: Vec2, texels: f32, j: usize) -> Texel {
-        let level = texels.log2().clamp(0.0, (self.levels.len() - 1) as f32);
-        let (fine, t) = (level as usize, level.fract());
-        let near = self.levels[fine].bilinear(uv, j);
-        if t == 0.0 { near } else { lerp(near, self.levels[fine + 1].bilinear(uv, j), t) }
-    }
-
     /// Texels of level 0.
     pub fn size(&self) -> Size {
-        self.levels[0].size
+        self.0.size()
     }
 }
 

@@ -64,6 +64,7 @@ pub fn flakes(a: &[f64]) -> Flakes {
         lobe: SolidAngle(0.0),
         seed: a[1] as u32,
         size_variation: a[2],
+        share: 1.0,
         coverage: a[3],
         streak: Some(Streak { ratio: a[4], angle: a[6].atan2(a[5]) }),
     }

@@ -1,0 +1,237 @@
+//! Flakes on a material: how many, what they are like, and maps of where they are.
+//!
+//! Both maps of a chain are plain means over footprints, so that hardware may filter them on. *Density* counts flakes
+//! over the whole surface, so it is that of the flakes' own places times the mask: of a footprint that flakes half cover, the
+//! two means apart would not tell how many there are. *Mask* is the share of the surface that is flakes.
+
+use std::path::{Path, PathBuf};
+
+use ndarray::{Array2, Array3, Axis};
+use serde::{Deserialize, Serialize};
+
+use super::{ChannelRef, ReadPicture, resample};
+use crate::error::{Error, Result};
+use crate::glint::{FlakeDensity, Flakes, SolidAngle, Streak, Tail};
+use crate::image::{Raster, Samples, Size, Wrap, spans};
+use crate::roughness::PerceptualRoughness;
+
+/// Flakes as manifests describe them.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct FlakesAbout {
+    /// Flakes on one repeat of the texture, where the density map is white: flakes per unit of area of uv.
+    pub density: f64,
+    /// Perceptual roughness of a flake's own lobe.
+    pub roughness: f32,
+    /// Standard deviation of the flakes' areas over their mean.
+    pub size_variation: f64,
+    /// Share of the surface that flakes cover in close-ups.
+    pub coverage: f64,
+    /// Another seed, another surface.
+    pub seed: u32,
+    /// Length over width, for scratches.
+    pub streak: Option<f64>,
+    /// Direction of scratches, degrees from u towards v.
+    pub streak_angle: f64,
+    /// Files of density and mask, as given, with their digests.
+    pub files: Vec<FlakesFile>,
+}
+
+/// A map of flakes that was read.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct FlakesFile {
+    /// As given; what is not Unicode in it is replaced.
+    pub path: String,
+    /// SHA-256 of the file, hexadecimal.
+    pub sha256: String,
+    /// "density" or "mask".
+    pub role: String,
+}
+
+impl FlakesAbout {
+    /// What glints are asked with.
+    pub fn flakes(&self) -> Flakes {
+        let alpha = PerceptualRoughness(self.roughness).alpha();
+        let lobe = SolidAngle::of_flake(alpha, Tail::Ggx);
+        let streak = self.streak.map(|ratio| Streak { ratio, angle: self.streak_angle.to_radians() });
+        let size_variation = self.size_variation;
+        Flakes {
+            size_variation,
+            coverage: self.coverage,
+            streak,
+            ..Flakes::new(FlakeDensity(self.density), lobe, self.seed)
+        }
+    }
+}
+
+/// Flakes of a material.
+#[derive(Clone, Debug)]
+pub struct MaterialFlakes {
+    /// What they are like.
+    pub about: FlakesAbout,
+    /// Density over that of `about`, and mask; axes (row, column, which), level 0 first. None where flakes are everywhere.
+    pub levels: Vec<Array3<f32>>,
+}
+
+/// Where flakes are, in files: linear, 0 to 1, white everywhere without.
+#[derive(Clone, Debug, Default)]
+pub struct FlakePlaces {
+    /// Flakes over the most there are.
+    pub density: Option<ChannelRef>,
+    /// Share of the surface.
+    pub mask: Option<ChannelRef>,
+}
+
+impl FlakePlaces {
+    /// The inputs' files.
+    pub fn paths(&self) -> impl Iterator<Item = &PathBuf> {
+        self.density.iter().chain(&self.mask).map(|channel| &channel.path)
+    }
+
+    /// Reads the maps, brings them to a material's size and filters them.
+    ///
+    /// # Errors
+    /// Files that cannot be read; channels that a file lacks.
+    pub fn load(&self, mut about: FlakesAbout, size: Size, wrap: Wrap, read: ReadPicture) -> Result<MaterialFlakes> {
+        if self.density.is_none() && self.mask.is_none() {
+            return Ok(MaterialFlakes { about, levels: Vec::new() });
+        }
+        let mut plane = |channel: &Option<ChannelRef>, role: &str| -> Result<Array2<f32>> {
+            let Some(channel) = channel else { return Ok(Array2::ones((size.height, size.width))) };
+            let (plane, sha256) = read_plane(channel, size, wrap, read)?;
+            about.files.push(FlakesFile { path: name(&channel.path), sha256, role: role.into() });
+            Ok(plane)
+        };
+        let (density, mask) = (plane(&self.density, "density")?, plane(&self.mask, "mask")?);
+        let density = density * &mask;
+        let levels = (0..size.level_count()).map(|k| {
+            let size = size.level(k);
+            let mut level = Array3::zeros((size.height, size.width, 2));
+            level.index_axis_mut(Axis(2), 0).assign(&shrunk(&density, size));
+            level.index_axis_mut(Axis(2), 1).assign(&shrunk(&mask, size));
+            level
+        });
+        let levels = levels.collect();
+        Ok(MaterialFlakes { about, levels })
+    }
+}
+
+fn name(path: &Path) -> String {
+    path.to_string_lossy().into_owned()
+}
+
+/// A channel at a size: enlarged as a renderer would sample it, shrunk by areas.
+fn read_plane(channel: &ChannelRef, size: Size, wrap: Wrap, read: ReadPicture) -> Result<(Array2<f32>, String)> {
+    let decoded = read(&channel.path)?;
+    let raster = &decoded.raster;
+    let count = raster.samples.channels();
+    let index = channel.channel.unwrap_or(if count >= 3 { 1 } else { 0 });
+    if index >= count {
+        let found = format!("{count} channel{}", if count == 1 { "" } else { "s" });
+        return Err(Error::invalid(&channel.path, found, format!("channel {index} of a map of flakes")));
+    }
+    let own = raster.size();
+    let at_least = Size::new(own.width.max(size.width), own.height.max(size.height));
+    let one = Array3::from_shape_fn((own.height, own.width, 1), |(y, x, _)| raster.at(x, y, index).clamp(0.0, 1.0));
+    let mut plane = Raster::new(Samples::F32(one));
+    if at_least != own {
+        plane = resample::enlarge(&plane, at_least, wrap);
+    }
+    let plane = Array2::from_shape_fn((at_least.height, at_least.width), |(y, x)| plane.at(x, y, 0));
+    Ok((shrunk(&plane, size), decoded.sha256))
+}
+
+/// Means over the footprints of a smaller size.
+fn shrunk(plane: &Array2<f32>, size: Size) -> Array2<f32> {
+    let (height, width) = plane.dim();
+    let (across, down) = (spans(width, size.width), spans(height, size.height));
+    let share = 1.0 / (width as f32 / size.width as f32);
+    let rows = Array2::from_shape_fn((height, size.width), |(y, x)| {
+        let span = &across[x];
+        span.weights.iter().zip(span.first..).map(|(w, x)| w * plane[(y, x)]).sum::<f32>() * share
+    });
+    let share = 1.0 / (height as f32 / size.height as f32);
+    Array2::from_shape_fn((size.height, size.width), |(y, x)| {
+        let span = &down[y];
+        span.weights.iter().zip(span.first..).map(|(w, y)| w * rows[(y, x)]).sum::<f32>() * share
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::codec::{decode, write_png};
+
+    fn about() -> FlakesAbout {
+        FlakesAbout {
+            density: 1e6,
+            roughness: 0.2,
+            size_variation: 0.5,
+            coverage: 0.7,
+            seed: 3,
+            streak: Some(20.0),
+            streak_angle: 90.0,
+            files: Vec::new(),
+        }
+    }
+
+    fn picture(size: Size, value: fn(usize, usize) -> u8) -> Vec<u8> {
+        let samples = Array3::from_shape_fn((size.height, size.width, 1), |(y, x, _)| value(x, y));
+        let mut bytes = Vec::new();
+        write_png(&mut bytes, &Raster::new(Samples::U8(samples))).unwrap();
+        bytes
+    }
+
+    fn places(density: Option<&str>, mask: Option<&str>) -> FlakePlaces {
+        FlakePlaces { density: density.map(ChannelRef::parse), mask: mask.map(ChannelRef::parse) }
+    }
+
+    /// Flakes on half of the columns, dense on the lower half of the rows: a quarter of the most, on half of the surface.
+    #[test]
+    fn means_of_maps_count_flakes() {
+        let read = |path: &Path| {
+            let bytes = match path.to_str().unwrap() {
+                "d.png" => picture(Size::new(6, 4), |_, y| if y < 2 { 0 } else { 255 }),
+                _ => picture(Size::new(6, 4), |x, _| if x % 2 == 0 { 255 } else { 0 }),
+            };
+            decode(path, bytes)
+        };
+        let size = Size::new(6, 4);
+        let both = places(Some("d.png"), Some("m.png")).load(about(), size, Wrap::Repeat, &read).unwrap();
+        assert_eq!(both.levels.len(), 3);
+        assert_eq!(both.levels[0].dim(), (4, 6, 2));
+        assert_eq!((both.levels[0][(3, 0, 0)], both.levels[0][(3, 1, 0)], both.levels[0][(0, 0, 0)]), (1.0, 0.0, 0.0));
+        for level in &both.levels {
+            let mean = |which: usize| level.index_axis(Axis(2), which).mean().unwrap();
+            assert!((mean(0) - 0.25).abs() < 1e-6 && (mean(1) - 0.5).abs() < 1e-6, "{} {}", mean(0), mean(1));
+        }
+        let roles: Vec<_> = both.about.files.iter().map(|file| (file.path.as_str(), file.role.as_str())).collect();
+        assert_eq!(roles, [("d.png", "density"), ("m.png", "mask")]);
+        // Without a mask the surface is all flakes, and so are its levels.
+        let one = places(Some("d.png"), None).load(about(), size, Wrap::Repeat, &read).unwrap();
+        assert!(one.levels.iter().all(|level| level.index_axis(Axis(2), 1).iter().all(|m| (m - 1.0).abs() < 1e-6)));
+        let none = places(None, None).load(about(), size, Wrap::Repeat, &read).unwrap();
+        assert!(none.levels.is_empty() && none.about.files.is_empty());
+    }
+
+    /// A mask of another size keeps its mean; a channel that is not there is named.
+    #[test]
+    fn maps_come_in_any_size() {
+        let read = |path: &Path| decode(path, picture(Size::new(8, 2), |x, _| if x < 2 { 255 } else { 0 }));
+        for size in [Size::new(4, 4), Size::new(16, 1), Size::new(8, 8)] {
+            let flakes = places(None, Some("m.png")).load(about(), size, Wrap::Repeat, &read).unwrap();
+            let top = flakes.levels.last().unwrap();
+            assert!((top[(0, 0, 1)] - 0.25).abs() < 1e-5 && top.dim() == (1, 1, 2), "{size}: {top}");
+        }
+        let error = places(None, Some("m.png:b")).load(about(), Size::new(4, 4), Wrap::Repeat, &read).unwrap_err();
+        assert!(error.to_string().contains("m.png") && error.to_string().contains("channel"), "{error}");
+    }
+
+    #[test]
+    fn the_parameters_are_those_of_queries() {
+        let flakes = about().flakes();
+        assert_eq!((flakes.density.0, flakes.seed, flakes.size_variation, flakes.coverage), (1e6, 3, 0.5, 0.7));
+        let streak = flakes.streak.unwrap();
+        assert!((streak.angle - std::f64::consts::FRAC_PI_2).abs() < 1e-12 && streak.ratio == 20.0);
+        assert!((flakes.lobe.0 - 3.0 * std::f64::consts::PI * 0.0016).abs() < 1e-7);
+    }
+}
