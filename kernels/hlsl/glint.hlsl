@@ -45,11 +45,15 @@ static const float MF_GLINT_LEAST = 1.0e-9;
 // Effective flakes from which g is 1, and from half of which it tends there.
 static const float MF_GLINT_SMOOTH = 1.0e4;
 
+// Smallest share of the flakes that are there, and the variation that they then have (of areas that vary by 3).
+static const float MF_FLAKE_LEAST_SHARE = 1.0e-3;
+static const float MF_FLAKE_MOST_VARIATION = 99.995;
+
 // A material's flakes.
 struct MfFlakes {
     float cells; // root of the density: flakes per unit of length of uv, more than 0, to 2^21
     uint seed; // another seed, another surface
-    float variation; // standard deviation of the flakes' areas over their mean, 0 to 3
+    float variation; // standard deviation of the flakes' areas over their mean, 0 to 3; more where few of them are there
     float coverage; // share of the surface that flakes cover, more than 0, at most 1: their size in close-ups
     float stretch; // for scratches, length over width of the flakes' cells; 1 for none
     float2 along; // unit, uv, the long side of scratches; (1, 0) for none
@@ -362,6 +366,14 @@ MfGlintPixel mf_glint_pixel(float2 uv, float2 dx, float2 dy, MfFlakes flakes) {
         o.kernel = mf_glint_kernel(float2(dot(m, dx), dot(n, dx)), float2(dot(m, dy), dot(n, dy)), size);
     }
     return o;
+}
+
+// Variation of flakes of which only a share is there, 0 to 1, each answering the more strongly: what the red channel of a
+// map of flakes says. For MfFlakes.variation; the ratio's mean stays 1. Of a pixel of which a share m (green) is flakes at
+// all, shade with D(h) (1 + m (g - 1)).
+float mf_flake_variation(float variation, float share) {
+    float own = clamp(variation, 0.0, 3.0);
+    return sqrt((1.0 + own * own) / clamp(share, MF_FLAKE_LEAST_SHARE, 1.0) - 1.0);
 }
 
 // Effective number of answering flakes: 0 where nothing can be asked, then g is 1.

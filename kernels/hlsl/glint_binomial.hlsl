@@ -236,7 +236,7 @@ float mf_glint_binomial(MfGlintPixel seen, MfGlintLight light, MfFlakes flakes) 
     if (n_eff <= 0.0 || n_eff >= MF_GLINT_SMOOTH) {
         return 1.0;
     }
-    float varied = clamp(flakes.variation, 0.0, 3.0);
+    float varied = clamp(flakes.variation, 0.0, MF_FLAKE_MOST_VARIATION);
     // Half the logarithm of the short radius squared, which is the root over the anisotropy.
     float finest2 = MF_GLINT_FINEST * MF_GLINT_FINEST;
     float position = 0.5 * log2(seen.kernel.root / (mf_glint_anisotropy(seen.kernel) * finest2));

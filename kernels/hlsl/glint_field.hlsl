@@ -270,7 +270,7 @@ float mf_glint_field(MfGlintPixel seen, MfGlintLight light, MfFlakes flakes) {
         return 1.0;
     }
     float anisotropy = mf_glint_anisotropy(seen.kernel);
-    float varied = clamp(flakes.variation, 0.0, 3.0);
+    float varied = clamp(flakes.variation, 0.0, MF_FLAKE_MOST_VARIATION);
     // Layers j and j + 1 have between MF_GLINT_SUMMED and four times that, and a quarter of it.
     float position = max(0.5 * log2(n_eff / MF_GLINT_SUMMED), 0.0);
     float first = floor(position);

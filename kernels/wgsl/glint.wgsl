@@ -41,11 +41,15 @@ const MF_GLINT_LEAST: f32 = 1.0e-9;
 // Effective flakes from which g is 1, and from half of which it tends there.
 const MF_GLINT_SMOOTH: f32 = 1.0e4;
 
+// Smallest share of the flakes that are there, and the variation that they then have (of areas that vary by 3).
+const MF_FLAKE_LEAST_SHARE: f32 = 1.0e-3;
+const MF_FLAKE_MOST_VARIATION: f32 = 99.995;
+
 // A material's flakes.
 struct MfFlakes {
     cells: f32, // root of the density: flakes per unit of length of uv, more than 0, to 2^21
     seed: u32, // another seed, another surface
-    variation: f32, // standard deviation of the flakes' areas over their mean, 0 to 3
+    variation: f32, // standard deviation of the flakes' areas over their mean, 0 to 3; more where few of them are there
     coverage: f32, // share of the surface that flakes cover, more than 0, at most 1: their size in close-ups
     stretch: f32, // for scratches, length over width of the flakes' cells; 1 for none
     along: vec2f, // unit, uv, the long side of scratches; (1, 0) for none
@@ -358,6 +362,14 @@ fn mf_glint_pixel(uv: vec2f, dx: vec2f, dy: vec2f, flakes: MfFlakes) -> MfGlintP
         o.kernel = mf_glint_kernel(vec2f(dot(m, dx), dot(n, dx)), vec2f(dot(m, dy), dot(n, dy)), size);
     }
     return o;
+}
+
+// Variation of flakes of which only a share is there, 0 to 1, each answering the more strongly: what the red channel of a
+// map of flakes says. For MfFlakes.variation; the ratio's mean stays 1. Of a pixel of which a share m (green) is flakes at
+// all, shade with D(h) (1 + m (g - 1)).
+fn mf_flake_variation(variation: f32, share: f32) -> f32 {
+    let own: f32 = clamp(variation, 0.0, 3.0);
+    return sqrt((1.0 + own * own) / clamp(share, MF_FLAKE_LEAST_SHARE, 1.0) - 1.0);
 }
 
 // Effective number of answering flakes: 0 where nothing can be asked, then g is 1.

@@ -232,7 +232,7 @@ fn mf_glint_binomial(seen: MfGlintPixel, light: MfGlintLight, flakes: MfFlakes) 
     if (n_eff <= 0.0 || n_eff >= MF_GLINT_SMOOTH) {
         return 1.0;
     }
-    let varied: f32 = clamp(flakes.variation, 0.0, 3.0);
+    let varied: f32 = clamp(flakes.variation, 0.0, MF_FLAKE_MOST_VARIATION);
     // Half the logarithm of the short radius squared, which is the root over the anisotropy.
     let finest2: f32 = MF_GLINT_FINEST * MF_GLINT_FINEST;
     let position: f32 = 0.5 * log2(seen.kernel.root / (mf_glint_anisotropy(seen.kernel) * finest2));

@@ -266,7 +266,7 @@ fn mf_glint_field(seen: MfGlintPixel, light: MfGlintLight, flakes: MfFlakes) -> 
         return 1.0;
     }
     let anisotropy: f32 = mf_glint_anisotropy(seen.kernel);
-    let varied: f32 = clamp(flakes.variation, 0.0, 3.0);
+    let varied: f32 = clamp(flakes.variation, 0.0, MF_FLAKE_MOST_VARIATION);
     // Layers j and j + 1 have between MF_GLINT_SUMMED and four times that, and a quarter of it.
     let position: f32 = max(0.5 * log2(n_eff / MF_GLINT_SUMMED), 0.0);
     let first: f32 = floor(position);

@@ -4,7 +4,7 @@ use std::f64::consts::{FRAC_PI_4, PI};
 
 use glam::{DMat2, DVec2, DVec3};
 
-use crate::glint::{BIWEIGHT_AREA, Ellipse, Flakes, Light, Macro, Probe, SolidAngle, Tail};
+use crate::glint::{BIWEIGHT_AREA, Ellipse, FlakeDensity, Flakes, Light, Macro, Probe, SolidAngle, Tail};
 use crate::roughness::Alpha;
 
 /// A pixel's kernel over the surface.
@@ -62,7 +62,7 @@ impl GlintKernel {
 impl GlintPixel {
     /// The library's form of a pixel's question about a light.
     pub fn probe(&self, light: &GlintLight, seed: u32, variation: f64) -> Probe {
-        let variation = variation.clamp(0.0, 3.0);
+        let variation = variation.clamp(0.0, flake_variation(3.0, 0.0));
         Probe {
             at: DVec2::new(f64::from(self.cell[0]), f64::from(self.cell[1])) + self.within,
             kernel: self.kernel.ellipse(),
@@ -73,6 +73,12 @@ impl GlintPixel {
             variation2: variation * variation,
         }
     }
+}
+
+/// Variation of flakes of which only a share is there.
+pub fn flake_variation(variation: f64, share: f64) -> f64 {
+    let flakes = Flakes::new(FlakeDensity(1.0), SolidAngle(0.0), 0);
+    Flakes { size_variation: variation, share, ..flakes }.variation2().sqrt()
 }
 
 /// Concentric map of Shirley & Chiu 1997, by the angle in eighths.

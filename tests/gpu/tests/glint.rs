@@ -79,7 +79,12 @@ fn evaluator_agrees(name: &str, area_from: f64, far_allowed: usize, worst_allowe
     let Some((gpu, languages)) = able() else { return };
     let inputs = draws(QUERIES, 61, |r| {
         let (n_eff, area, long) = (log(r, 0.01, 1.5e4), log(r, area_from, 0.43), log(r, 1.0, 64.0));
-        let varied = if r.unit() < 0.7 { 0.0 } else { 3.0 * r.unit() };
+        // Equal ones, unequal ones, and few of them there.
+        let varied = match r.unit() {
+            ..0.6 => 0.0,
+            ..0.9 => 3.0 * r.unit(),
+            _ => log(r, 3.0, 99.9),
+        };
         query(r, n_eff, area, long, varied)
     });
     let asked = prepared(&inputs);

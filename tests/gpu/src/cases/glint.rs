@@ -266,6 +266,13 @@ fn places() -> Vec<Case> {
             bound: Bound { absolute: 4e-4, relative: 0.0 },
         },
         Case {
+            name: "mf_flake_variation",
+            inputs: Sweep::new(500).linear(0.0, 3.5).edges(&[0.0]).log(1e-4, 1.0).edges(&[0.0, 1.0]).inputs(),
+            twin: |a| vec![twin::flake_variation(a[0], a[1])],
+            // The root of a difference near 0.
+            bound: Bound { absolute: 5e-4, relative: 1e-6 },
+        },
+        Case {
             name: "mf_glint_effective",
             inputs: draws(300, 20, |r| {
                 let light = GlintLight { y: DVec2::splat(0.5), area: log(r, 1e-9, 0.43), widths: DVec2::ZERO };
