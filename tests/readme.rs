@@ -104,7 +104,7 @@ fn run(arguments: &[&str], folder: &Path) {
     if arguments.first() == Some(&"compare") {
         chains(arguments, folder);
     }
-    let command = |a: &&str| !["build", "compare", "bake-curvature"].contains(a);
+    let command = |a: &&str| !["build", "compare", "bake-curvature", "glint"].contains(a);
     let mut values = arguments.iter().copied().skip_while(command).skip(1).peekable();
     while let Some(argument) = values.next() {
         match argument {
@@ -123,7 +123,11 @@ fn run(arguments: &[&str], folder: &Path) {
             _ => {}
         }
     }
-    let quick: &[&str] = if arguments.contains(&"demo") { &["--size", "16", "--dry-run"] } else { &[] };
+    let quick: &[&str] = match arguments[0] {
+        "demo" => &["--size", "16", "--dry-run"],
+        "glint" => &["--pixels", "32", "--frames", "2"],
+        _ => &[],
+    };
     let mipfold = Path::new(env!("CARGO_BIN_EXE_mipfold"));
     Command::new(mipfold).args(arguments).args(quick).current_dir(folder).assert().success();
 }
@@ -163,6 +167,7 @@ fn options_in_the_text_exist() {
         ["demo", "--help"],
         ["kernels", "--help"],
         ["bake-curvature", "--help"],
+        ["glint", "--help"],
     ]
     .map(|arguments| {
         let output = Command::new(env!("CARGO_BIN_EXE_mipfold")).args(arguments).output().unwrap();
@@ -262,8 +267,16 @@ fn snippet_is_that_of_the_crate_documentation() {
 
 #[test]
 fn links_lead_somewhere() {
+    let headings: Vec<String> = README
+        .lines()
+        .filter_map(|line| line.strip_prefix("## "))
+        .map(|heading| heading.to_lowercase().replace(' ', "-").replace([',', ':', '?', '.'], ""))
+        .collect();
     let targets = README.split("](").skip(1).filter_map(|rest| rest.split(')').next());
     for target in targets.filter(|target| !target.starts_with("http")) {
-        assert!(root(target).exists(), "{target}");
+        match target.strip_prefix('#') {
+            Some(anchor) => assert!(headings.iter().any(|heading| heading == anchor), "{target}"),
+            None => assert!(root(target).exists(), "{target}"),
+        }
     }
 }
