@@ -75,13 +75,13 @@ fn mips_of_flake_maps_count_flakes() {
     assert!(map["decode"].as_str().unwrap().contains("1 + g*"), "{map}");
 }
 
-/// Without maps of flakes there are none to write, the chain is that of a build, and pictures are as large as asked.
+/// Without maps of flakes there are none to write, the chain is that of a build with both widths, and pictures are as large as asked.
 #[test]
 fn pictures_stand_beside_the_chain() {
     let desk = Desk::empty();
     bumps(&desk.at("n.png"), (32, 32));
     glint(&desk, "--normal @n.png --roughness 0.3 --pixels 48 --frames 3 --flakes 20000 -o @out");
-    let (code, _) = desk.run("build --normal @n.png --roughness 0.3 -o @built");
+    let (code, _) = desk.run("build --normal @n.png --roughness 0.3 --lobes aniso --extra tensor -o @built");
     assert_eq!(code, Some(0));
     let (out, built) = (desk.at("out"), desk.at("built"));
     let pictures = ["glints.png", "glints_light.png", "glints_pan.png", "glints_zoom.png"];

@@ -12,8 +12,8 @@ use crate::codec::{self, write_apng, write_png};
 use crate::error::{Error, Result};
 use crate::glint::SolidAngle;
 use crate::image::Raster;
-use crate::material::{Earlier, Inputs, MaterialFlakes};
-use crate::ndf::Lobes;
+use crate::material::{Earlier, Extra, Inputs, MaterialFlakes};
+use crate::ndf::{Form, Lobes};
 use crate::output::{Request, Stage, may_write};
 use crate::render::{
     Glints, Image, Motion, Pairs, Sampling, Scene, glinting_sequence, grid, render, render_glints, side_by_side,
@@ -49,12 +49,19 @@ enum Moving {
 pub fn run(args: &GlintArgs, global: &Global, report: &mut Report) -> Result<()> {
     let inputs = read_as(one(args)?, &args.maps, &args.reading)?;
     let options = args.folding.options(false)?;
+    // Flakes follow both widths, and want them in a map that hardware may filter.
+    let both = options.fold.has_two_widths().then_some(Form::Anisotropic);
+    let form = args.folding.form().or(both);
+    let mut extras = args.extra.clone();
+    if form == Some(Form::Anisotropic) && options.lobes == 1 && !extras.contains(&Extra::Tensor) {
+        extras.push(Extra::Tensor);
+    }
     let request = Request {
         folder: args.output.clone(),
         formats: args.containers.format.clone(),
         depth: args.containers.depth(),
         moments: false,
-        extras: args.extra.clone(),
+        extras,
         force: global.force,
     };
     if !args.preview.no_pictures {
@@ -62,7 +69,6 @@ pub fn run(args: &GlintArgs, global: &Global, report: &mut Report) -> Result<()>
         let force = global.force || Earlier::read(&args.output).is_some();
         may_write(&args.output, MOVING.iter().map(|(name, _)| *name).chain([STILL]), force)?;
     }
-    let form = args.folding.form();
     let job = Job {
         inputs: &inputs,
         read: &codec::read,
