@@ -1,0 +1,45 @@
+//! What glints cost, published and our own, beside the smooth lobe alone: ns for each query.
+
+use std::f64::consts::PI;
+use std::hint::black_box;
+
+use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
+
+#[path = "../tests/glints/published/mod.rs"]
+mod published;
+
+use published::cases::Case;
+use published::{Contender, Published};
+
+const QUERIES: u32 = 1024;
+
+/// The unit: a GGX lobe.
+fn ggx(q: &Published) -> f64 {
+    let a2 = f64::from(q.alpha.squared());
+    let d = q.h.z * q.h.z * (a2 - 1.0) + 1.0;
+    a2 / (PI * d * d)
+}
+
+fn ratios(criterion: &mut Criterion) {
+    for anisotropy in [1.0, 8.0] {
+        for n_eff in [0.1, 1.0, 10.0] {
+            let case = Case { n_eff, anisotropy };
+            let mut group = criterion.benchmark_group(format!("glints, N_eff {n_eff}, anisotropy {anisotropy}"));
+            group.throughput(Throughput::Elements(u64::from(QUERIES))).sample_size(20);
+            let mut measure = |name: &str, tail, of: &dyn Fn(&Published) -> f64| {
+                let queries: Vec<_> = (0..QUERIES).map(|n| case.query(tail, n, 9)).collect();
+                group.bench_with_input(BenchmarkId::from_parameter(name), &queries, |b, queries| {
+                    b.iter(|| queries.iter().map(|q| of(black_box(q))).sum::<f64>());
+                });
+            };
+            measure("D of GGX", mipfold::glint::Tail::Ggx, &ggx);
+            for contender in Contender::all() {
+                measure(contender.name, contender.tail, &|q| contender.ratio(q));
+            }
+            group.finish();
+        }
+    }
+}
+
+criterion_group!(benches, ratios);
+criterion_main!(benches);
