@@ -2,6 +2,7 @@
 
 use std::f64::consts::PI;
 use std::hint::black_box;
+use std::time::Duration;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 
@@ -26,6 +27,7 @@ fn ratios(criterion: &mut Criterion) {
             let case = Case { n_eff, anisotropy };
             let mut group = criterion.benchmark_group(format!("glints, N_eff {n_eff}, anisotropy {anisotropy}"));
             group.throughput(Throughput::Elements(u64::from(QUERIES))).sample_size(20);
+            group.warm_up_time(Duration::from_millis(300)).measurement_time(Duration::from_secs(1));
             let mut measure = |name: &str, tail, of: &dyn Fn(&Published) -> f64| {
                 let queries: Vec<_> = (0..QUERIES).map(|n| case.query(tail, n, 9)).collect();
                 group.bench_with_input(BenchmarkId::from_parameter(name), &queries, |b, queries| {

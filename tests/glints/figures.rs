@@ -114,6 +114,31 @@ fn deliot_and_belcour_keep_the_variance_of_levels_and_lose_that_of_corners() {
     }
 }
 
+/// By a step of 1/4096 of the chart, all else equal: boxes are interpolated. What pops when lights move is the chance, which
+/// follows the lobe, through counts that are rounded.
+#[test]
+fn deliot_and_belcour_turn_smoothly_at_a_fixed_chance() {
+    let case = Case { n_eff: 1.0, anisotropy: 1.0 };
+    let mut pops = [Vec::new(), Vec::new()];
+    for n in 0..20_000 {
+        let free = Free::new(n, 4);
+        let step = DVec2::from_angle(f64::from(n)) / 4096.0;
+        let q = case.fixed(Tail::Ggx, n, 4, free);
+        let fixed = case.fixed(Tail::Ggx, n, 4, Free { y: free.y + step, ..free });
+        let moved = Published { flake: q.flake, ..fixed };
+        for (pops, to) in pops.iter_mut().zip([fixed, moved]) {
+            pops.push((deliot::ratio(&to) - deliot::ratio(&q)).abs());
+        }
+    }
+    let deviation = (0.2 / case.n_eff).sqrt();
+    let [fixed, moved] = pops.map(|mut pops| {
+        pops.sort_by(f64::total_cmp);
+        pops[19_998] / deviation
+    });
+    println!("Deliot & Belcour, turn: {fixed:.3} at a fixed chance, {moved:.3} at that of the lobe");
+    assert!(fixed < 0.15 && moved > 3.0 * fixed, "{fixed}, {moved}");
+}
+
 /// Weights add up to 1, and the grids' own angles, ratios and levels to those of the pixel.
 #[test]
 fn grids_surround_the_pixel() {

@@ -33,8 +33,6 @@ pub struct Figures {
     pub neighbour: f64,
     /// Correlation with the ratio of a light that mirrors the half vector about the normal.
     pub mirrored: f64,
-    /// Standard error of both.
-    pub correlation_error: f64,
 }
 
 impl Figures {
@@ -82,7 +80,6 @@ pub fn figures(contender: &Contender, case: Case, count: u32) -> Figures {
         turn: pops(3),
         neighbour: correlation(4),
         mirrored: correlation(5),
-        correlation_error: 1.0 / f64::from(count).sqrt(),
     }
 }
 
