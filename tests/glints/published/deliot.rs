@@ -9,8 +9,9 @@
 //! that stands for the gate; half vectors as absolute values, so that each light has three mirror images. Two readings, both
 //! for the better, are those of Kneiphof & Klein 2024 and 2025: levels are rounded down (the released shader truncates, and
 //! halves the footprint: the same for pixels shorter than a unit of uv), and the chance is the physical one, with boxes as
-//! large as the flake's lobe (`R D(h) / D(0)` for boxes of width R would make glints last less than a tenth as long when
-//! lights move). The noise is hashed, without the period of a texture.
+//! large as the flake's lobe. Published is a chance of `R D(h) / D(0)` for boxes of width R, which an artist chooses: for the
+//! chances asked here boxes would be a tenth to a third as wide, and glints gone as much sooner when lights move. The noise
+//! is hashed, without the period of a texture.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
