@@ -143,7 +143,7 @@ fn compare(count: u32) {
 
 #[test]
 fn the_library_beside_published_methods() {
-    compare(12_000);
+    compare(10_000);
 }
 
 #[test]
