@@ -1,13 +1,14 @@
 //! The library's glints beside published methods, at the same queries.
 //!
 //! `cargo test --test glints -- --nocapture` prints the tables, `-- --ignored --nocapture` those of larger samples.
-//! Where the field leads all three: variance, and the worst change by a small movement, in every case and far. In the mean
-//! it is right, as Zirr & Kaplanyan's and the counts after them are. Where it does not lead: a pan alone moves the blended
-//! cells of two of the methods as little or less, lights next to each other are slightly opposed, and it costs more for many
-//! flakes (`cargo bench --bench glint_published`).
+//! The field leads all three in variance, and in the worst change by a small movement, in every case and by far. In the mean
+//! it is right, but so are Zirr & Kaplanyan's counts, and those of the library after them. It does not lead where only a pan
+//! is asked for, which the blended cells of two of the methods answer as smoothly; its lights next to each other are opposed
+//! by some percent, more than those of Kemppinen et al.; and for many flakes it costs more than any
+//! (`cargo bench --bench glint_published`).
 #![allow(clippy::print_stdout, reason = "tables of figures")]
 
-#[path = "glints/figures.rs"]
+#[path = "glints/known.rs"]
 mod known;
 #[path = "glints/measure.rs"]
 mod measure;
@@ -119,7 +120,8 @@ fn compare(count: u32) {
         for row in [zirr, deliot, kemppinen, binomial] {
             let (ours, theirs) = (ours.worst(), row.cases[n].1.worst());
             let told = format!("{case:?}: field {ours:?}, {} {theirs:?}", row.name);
-            assert!(ours.rare < theirs.rare / 1.2 && ours.most < theirs.most / 1.2, "{told}");
+            let margin = if row.name == binomial.name { 1.2 } else { 2.5 };
+            assert!(margin * ours.rare < theirs.rare && margin * ours.most < theirs.most, "{told}");
         }
     }
     assert!(field.most(|f| f.worst().most) < 0.25);
