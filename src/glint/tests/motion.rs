@@ -49,18 +49,19 @@ fn any(n: u32) -> Case {
 }
 
 fn small_steps(count: u32) {
-    // Counts are rougher: their mean follows the weights of cells, which follow the pixel and its size; and one flake of
-    // few is many deviations bright.
-    for (name, limits) in [("field", [0.06, 0.06, 0.2]), ("binomial", [0.15, 0.9, 0.2])] {
+    // One flake of few is 10 deviations bright and more. Counts are rougher: as a grid of cells fades out its flakes do too,
+    // within the 256 steps of an octave, and those of the next are fewer and brighter meanwhile.
+    let field = [("pan", 0.045, 0.08), ("zoom", 0.05, 0.08), ("turn", 0.075, 0.13)];
+    let binomial = [("pan", 0.06, 0.12), ("zoom", 0.12, 0.18), ("turn", 0.07, 0.1)];
+    for (name, limits) in [("field", field), ("binomial", binomial)] {
         let pan = changes(name, any, count, |p, n| pan(p, 1.0 / 256.0, n));
         let zoom = changes(name, any, count, |p, _| p.kernel = p.kernel.scaled(2f64.powf(1.0 / 256.0)));
         let turn = changes(name, any, count, |p, n| turn(p, 1.0 / 4096.0, n));
-        for (what, (most, largest), limit) in
-            [("pan", pan, limits[0]), ("zoom", zoom, limits[1]), ("turn", turn, limits[2])]
-        {
+        for ((most, largest), (what, limit, bound)) in [pan, zoom, turn].into_iter().zip(limits) {
             eprintln!("{name}, {what}: P99.99 {most:.3} sigma, largest {largest:.3}");
-            assert!(most < limit, "{name}, {what}: {most}");
-            assert!(largest < 2.5 * limit, "{name}, {what}: largest {largest}");
+            // Of few samples the percentile is the largest.
+            assert!(most < if count < 100_000 { bound } else { limit }, "{name}, {what}: {most}");
+            assert!(largest < bound, "{name}, {what}: largest {largest}");
         }
     }
 }
