@@ -9,31 +9,33 @@
 // Two grids of cells, each twice as wide as the other, are mixed; in each cell a grid over half vectors, as wide as what answers
 // and shifted at random; in each of its boxes a count. The published form loses more than half of the variance in its weights.
 // Here the weights of all cells are known before anything is counted, so that fewer and brighter flakes make up for it in every
-// pixel. Counts are Poisson and change smoothly with their mean.
+// pixel. Counts are Poisson and change smoothly with their mean and with u, so that rounding moves none.
 //
-// Cells counted in the finer grid, each with 5 hashes and 4 counts: on average 6, and 19, 75 and 305 for pixels 4, 16 and 64
-// times as long as wide, at most 520; in the other grid about a third of that.
-//
-// Of 100,000 pixels 9 see a count that is one off that of exact arithmetic, the worst by 0.09 of the ratio's deviation: u within
-// rounding of a step. Mean and variance know nothing of it, and it stays where it is.
+// Cells counted in the finer grid, each with a long and 4 short hashes and 4 counts: on average 5, and 15, 57 and 230 for pixels
+// 4, 16 and 64 times as long as wide, at most 390; in the other grid about half of that.
 
 // Squared radius in cells that is added to the kernel: no place is without a cell.
-static const float MF_GLINT_REACH2 = 0.6;
+static const float MF_GLINT_REACH2 = 0.58;
+
+// Squared ratio of the kernel over cells to the pixel's, which is less flat and as wide.
+static const float MF_GLINT_NARROW2 = 0.8333333;
 
 // The finer cells are as wide as the footprint's short radius over this, or up to twice as narrow.
-static const float MF_GLINT_FINEST = 0.75;
+static const float MF_GLINT_FINEST = 0.7;
 
 // More cells than any pixel has in a grid: a bound for compilers.
 static const uint MF_GLINT_CELLS = 1024u;
 
-// Poisson counts of one mean that change smoothly with it: those of two neighbours in a series are mixed.
+// Variance of smooth counts over their mean: 2 / ln 2 - 2.
+static const float MF_SMOOTH_VARIANCE = 0.8853901;
+
+// Poisson counts of one mean that change smoothly with it: a sum of ramps for few, the square of a normal number for many.
 struct MfSmoothPoisson {
     float mean;
-    float low; // the neighbours
-    float high;
-    float share; // of the upper neighbour
-    float2 some; // chances of more than none, of both
-    float normal; // share of a normal distribution instead, 0 to 1
+    float none; // chance of none, and of some
+    float some;
+    float2 normal; // mean and deviation of the root of many
+    float many; // share of many, 0 to 1
 };
 
 // A grid of cells as one pixel sees it.
@@ -47,59 +49,50 @@ struct MfGlintGrid {
     float squares;
 };
 
-// Prepares counts of a mean, above 0. Between powers of two there are four steps.
+// Prepares counts of a mean, above 0.
 MfSmoothPoisson mf_smooth_poisson(float mean) {
     float m = clamp(mean, 1.0e-30, 1.0e30);
-    float octave = exp2(floor(log2(m)));
-    float stair = floor(4.0 * (m / octave - 1.0));
+    float a = sqrt(max(1.0 - 0.5 * MF_SMOOTH_VARIANCE / m, 0.0));
     MfSmoothPoisson o;
     o.mean = m;
-    o.low = octave * (1.0 + stair / 4.0);
-    o.high = octave * (1.0 + (stair + 1.0) / 4.0);
-    o.share = (m - o.low) / (o.high - o.low);
-    o.some = float2(mf_one_minus_exp(o.low), mf_one_minus_exp(o.high));
-    o.normal = clamp((m / MF_COUNT_EXACT - 0.75) * 4.0, 0.0, 1.0);
+    o.none = exp(-m);
+    o.some = mf_one_minus_exp(m);
+    o.normal = float2(sqrt(m * a), sqrt(0.5 * MF_SMOOTH_VARIANCE / (1.0 + a)));
+    o.many = clamp(2.0 * m - 1.0, 0.0, 1.0);
     return o;
 }
 
-// Variance of smooth counts of this mean, above 0, over the mean: 0.94 to 1, within 0.012. Few flakes are counted by both
-// neighbours or by one, so that the covariance of the two is the lower mean; many vary together.
-float mf_smooth_variance(float mean) {
-    MfSmoothPoisson s = mf_smooth_poisson(mean);
-    float t = s.share;
-    float together = s.low + (sqrt(s.low * s.high) - s.low) * s.mean / (s.mean + 1.0);
-    float mixed = ((1.0 - t) * (1.0 - t) * s.low + t * t * s.high + 2.0 * t * (1.0 - t) * together) / s.mean;
-    return lerp(mixed, 1.0, s.normal);
+// A number with the first five moments of a standard normal one, for a uniform t from -1 to 1: within 0.05 of the normal
+// quantile to 2.5, ending at 2.92.
+float mf_nearly_normal(float t) {
+    float s = t * t;
+    return t * (1.2945762 - 0.9652395 * s) / (1.0 - 0.88715417 * s);
 }
 
-// The count for a uniform u in (0, 1), whole or between two whole numbers: see mf_poisson. At most 48 steps.
-float mf_smooth_count(MfSmoothPoisson s, float u) {
-    float v = 1.0 - u;
-    if (s.normal <= 0.0 && v >= s.some.y) {
-        return 0.0;
-    }
-    float k = 0.0;
-    if (s.normal < 1.0) {
-        // Both counts in step: the higher mean is the last to pass.
-        float2 more = s.some;
-        float2 chance = float2(exp(-s.low), exp(-s.high));
-        for (uint i = 1u; i < 49u; i = i + 1u) { // turns: 2
-            if (v >= more.y) {
+// The count for v, uniform in 0..1; small v are many flakes. For few, where the count passes k at a chance G for more than k,
+// G / (v ln 2) - 1 between 0 and 1 is added, whose integral is G too: a flake fades while the mean changes by a factor of 2.
+float mf_smooth_count(MfSmoothPoisson s, float v) {
+    float few = 0.0;
+    if (s.many < 1.0) {
+        float scale = 1.442695 / v;
+        float more = s.some;
+        float chance = s.none;
+        // At a mean of 1, more than 11 have a chance of 1e-9, which f32 does not tell from rounding.
+        for (uint i = 1u; i < 12u; i = i + 1u) { // turns: 2
+            float form = more * scale - 1.0;
+            if (form <= 0.0) {
                 break;
             }
-            k = k + s.share;
-            if (v < more.x) {
-                k = k + (1.0 - s.share);
-            }
-            chance = float2(chance.x * s.low, chance.y * s.high) / float(i);
+            few = few + min(form, 1.0);
+            chance = chance * s.mean / float(i);
             more = more - chance;
         }
     }
-    if (s.normal > 0.0) {
-        float z = mf_normal_quantile(u);
-        k = lerp(k, max(mf_skewed_normal(s.mean, sqrt(s.mean), 1.0, z), 0.0), s.normal);
+    if (s.many <= 0.0) {
+        return few;
     }
-    return k;
+    float root = s.normal.x + s.normal.y * mf_nearly_normal(1.0 - 2.0 * v);
+    return lerp(few, root * root, s.many);
 }
 
 // First and last cell of row j with their centres in the kernel. Only rounding may add one or leave one out.
@@ -124,30 +117,35 @@ MfWhole mf_glint_pair(float w, float u) {
     return o;
 }
 
+// Words for the four boxes of a half vector, from the first box and two words of the cell: shorter than mf_pcg4d.
+uint4 mf_glint_words(int x, int y, uint prefix, uint key) {
+    uint first = uint(x) * 0x9E3779B1u + uint(y) * 0x85EBCA77u + key;
+    uint mask = prefix * 0xC2B2AE3Du;
+    uint4 h = uint4(first, first + 0x9E3779B1u, first + 0x85EBCA77u, first + 0x9E3779B1u + 0x85EBCA77u);
+    h = h ^ (h >> uint4(15u, 15u, 15u, 15u));
+    h = (h ^ uint4(mask, mask, mask, mask)) * 0x2C1B3C6Du;
+    h = h ^ (h >> uint4(14u, 14u, 14u, 14u));
+    return h * 0x297A2D39u;
+}
+
+// A chance from all bits of a word: small ones keep their digits.
+float mf_glint_chance(uint word) {
+    return (float(word) + 0.5) * 2.3283064e-10;
+}
+
 // Mean of the counts in the four boxes about a half vector, in one cell (i, j counted from the pixel's).
 float mf_glint_count(MfGlintGrid grid, int i, int j, float2 widths, uint seed, MfSmoothPoisson counts) {
     uint4 cell = mf_pcg4d(uint4(uint(grid.home.x + i), uint(grid.home.y + j), uint(grid.level), seed));
     MfWhole x = mf_glint_pair(widths.x, mf_unit(cell.x));
     MfWhole y = mf_glint_pair(widths.y, mf_unit(cell.y));
-    float sum = 0.0;
-    for (int n = 0; n < 4; n = n + 1) { // turns: 4
-        int a = x.whole + (n & 1);
-        int b = y.whole + (n >> 1u);
-        // Boxes share hashes in blocks of 2 x 2.
-        uint4 words = mf_pcg4d(uint4(cell.z, cell.w, uint(a >> 1u), uint(b >> 1u)));
-        uint2 bits = uint2(words.x, words.y);
-        if ((b & 1) == 1) {
-            bits = uint2(words.z, words.w);
-        }
-        uint word = bits.x;
-        if ((a & 1) == 1) {
-            word = bits.y;
-        }
-        float wx = lerp(1.0 - x.rest, x.rest, float(n & 1));
-        float wy = lerp(1.0 - y.rest, y.rest, float(n >> 1u));
-        sum = sum + wx * wy * mf_smooth_count(counts, mf_unit(word));
-    }
-    return sum;
+    uint4 words = mf_glint_words(x.whole, y.whole, cell.z, cell.w);
+    float f = x.rest * x.rest * (3.0 - 2.0 * x.rest);
+    float g = y.rest * y.rest * (3.0 - 2.0 * y.rest);
+    float a = mf_smooth_count(counts, mf_glint_chance(words.x));
+    float b = mf_smooth_count(counts, mf_glint_chance(words.y));
+    float c = mf_smooth_count(counts, mf_glint_chance(words.z));
+    float d = mf_smooth_count(counts, mf_glint_chance(words.w));
+    return lerp(lerp(a, b, f), lerp(c, d, f), g);
 }
 
 // The sum of weights and of their squares over the cells of a grid, or, if counting, of weighted counts and 0.
@@ -160,7 +158,7 @@ float2 mf_glint_cells(MfGlintGrid grid, bool counting, float2 widths, uint seed,
     int2 row = mf_glint_centres(grid, j);
     int i = row.x;
     float2 sums = float2(0.0, 0.0);
-    for (uint n = 0u; n < MF_GLINT_CELLS; n = n + 1u) { // turns: 6
+    for (uint n = 0u; n < MF_GLINT_CELLS; n = n + 1u) { // turns: 5
         if (j > last) {
             break;
         }
@@ -169,7 +167,7 @@ float2 mf_glint_cells(MfGlintGrid grid, bool counting, float2 widths, uint seed,
             float2 d = float2(float(i), float(j)) - c;
             float2 e = float2(root.x * d.x + root.y * d.y, root.y * d.x + root.z * d.y);
             float rest = max(1.0 - dot(e, e), 0.0);
-            float w = rest * rest;
+            float w = rest * rest * (3.0 - 2.0 * rest);
             if (counting) {
                 if (w > 0.0) {
                     sums = sums + float2(w * mf_glint_count(grid, i, j, widths, seed, counts), 0.0);
@@ -199,8 +197,8 @@ MfGlintGrid mf_glint_grid(MfGlintPixel seen, int level) {
     float2 whole = float2(floor(fine.x), floor(fine.y));
     int x = (seen.cell.x << down) + int(whole.x);
     int y = (seen.cell.y << down) + int(whole.y);
-    float3 c = seen.kernel.tensor / (side * side);
-    float root = seen.kernel.root / (side * side);
+    float3 c = seen.kernel.tensor * (MF_GLINT_NARROW2 / (side * side));
+    float root = seen.kernel.root * (MF_GLINT_NARROW2 / (side * side));
     MfGlintKernel kernel;
     kernel.tensor = float3(c.x + MF_GLINT_REACH2, c.y, c.z + MF_GLINT_REACH2);
     kernel.root = sqrt(root * root + MF_GLINT_REACH2 * (c.x + c.z + MF_GLINT_REACH2));
@@ -218,10 +216,10 @@ MfGlintGrid mf_glint_grid(MfGlintPixel seen, int level) {
     return o;
 }
 
-// Variance of a grid's weighted counts for one expected flake per unit area and box. 4/9 is the mean sum of squared weights of
-// the four boxes about a half vector.
+// Variance of a grid's weighted Poisson counts for one expected flake per unit area and box. The factor is the mean sum of
+// squared weights of the four boxes about a half vector, (26 / 35)^2.
 float mf_glint_grid_variance(MfGlintGrid grid) {
-    return 0.44444444 * grid.squares / (grid.sum * grid.sum * grid.side * grid.side);
+    return 0.55183673 * grid.squares / (grid.sum * grid.sum * grid.side * grid.side);
 }
 
 // Mean of a grid's counts over their mean; density: flakes per unit area and box.
@@ -237,24 +235,18 @@ float mf_glint_binomial(MfGlintPixel seen, MfGlintLight light, MfFlakes flakes) 
         return 1.0;
     }
     float varied = clamp(flakes.variation, 0.0, MF_FLAKE_MOST_VARIATION);
-    // Half the logarithm of the short radius squared, which is the root over the anisotropy.
-    float finest2 = MF_GLINT_FINEST * MF_GLINT_FINEST;
-    float position = 0.5 * log2(seen.kernel.root / (mf_glint_anisotropy(seen.kernel) * finest2));
-    int level = int(floor(position));
-    float share = position - floor(position);
+    // The short radius, squared, is the root over the anisotropy.
+    float position = sqrt(seen.kernel.root / mf_glint_anisotropy(seen.kernel)) / MF_GLINT_FINEST;
+    int level = int(floor(log2(position)));
     MfGlintGrid fine = mf_glint_grid(seen, level);
     MfGlintGrid coarse = mf_glint_grid(seen, level + 1);
-    // Flakes per area and chart that leave the variance of independent flakes, (1 + variation^2) / N_eff.
+    // Nearly the logarithm's rest.
+    float rest = position / fine.side - 1.0;
+    float share = clamp(rest * (1.344 - 0.344 * rest), 0.0, 1.0);
+    // Flakes per area and box that leave the variance of independent flakes, (1 + variation^2) / N_eff.
     float a = (1.0 - share) * (1.0 - share) * mf_glint_grid_variance(fine);
     float b = share * share * mf_glint_grid_variance(coarse);
-    float per_flake = n_eff / (1.0 + varied * varied);
-    float area = fine.side * fine.side;
-    // Smooth counts keep a share of the variance that depends on their mean; two rounds find it to a thousandth.
-    float density = per_flake * (a + b);
-    for (uint i = 0u; i < 2u; i = i + 1u) { // turns: 2
-        float more = b * mf_smooth_variance(4.0 * density * area);
-        density = per_flake * (a * mf_smooth_variance(density * area) + more);
-    }
+    float density = MF_SMOOTH_VARIANCE * n_eff / (1.0 + varied * varied) * (a + b);
     float g = 0.0;
     MfGlintGrid grid = fine;
     float weight = 1.0 - share;

@@ -5,31 +5,33 @@
 // Two grids of cells, each twice as wide as the other, are mixed; in each cell a grid over half vectors, as wide as what answers
 // and shifted at random; in each of its boxes a count. The published form loses more than half of the variance in its weights.
 // Here the weights of all cells are known before anything is counted, so that fewer and brighter flakes make up for it in every
-// pixel. Counts are Poisson and change smoothly with their mean.
+// pixel. Counts are Poisson and change smoothly with their mean and with u, so that rounding moves none.
 //
-// Cells counted in the finer grid, each with 5 hashes and 4 counts: on average 6, and 19, 75 and 305 for pixels 4, 16 and 64
-// times as long as wide, at most 520; in the other grid about a third of that.
-//
-// Of 100,000 pixels 9 see a count that is one off that of exact arithmetic, the worst by 0.09 of the ratio's deviation: u within
-// rounding of a step. Mean and variance know nothing of it, and it stays where it is.
+// Cells counted in the finer grid, each with a long and 4 short hashes and 4 counts: on average 5, and 15, 57 and 230 for pixels
+// 4, 16 and 64 times as long as wide, at most 390; in the other grid about half of that.
 
 // Squared radius in cells that is added to the kernel: no place is without a cell.
-const MF_GLINT_REACH2: f32 = 0.6;
+const MF_GLINT_REACH2: f32 = 0.58;
+
+// Squared ratio of the kernel over cells to the pixel's, which is less flat and as wide.
+const MF_GLINT_NARROW2: f32 = 0.8333333;
 
 // The finer cells are as wide as the footprint's short radius over this, or up to twice as narrow.
-const MF_GLINT_FINEST: f32 = 0.75;
+const MF_GLINT_FINEST: f32 = 0.7;
 
 // More cells than any pixel has in a grid: a bound for compilers.
 const MF_GLINT_CELLS: u32 = 1024u;
 
-// Poisson counts of one mean that change smoothly with it: those of two neighbours in a series are mixed.
+// Variance of smooth counts over their mean: 2 / ln 2 - 2.
+const MF_SMOOTH_VARIANCE: f32 = 0.8853901;
+
+// Poisson counts of one mean that change smoothly with it: a sum of ramps for few, the square of a normal number for many.
 struct MfSmoothPoisson {
     mean: f32,
-    low: f32, // the neighbours
-    high: f32,
-    share: f32, // of the upper neighbour
-    some: vec2f, // chances of more than none, of both
-    normal: f32, // share of a normal distribution instead, 0 to 1
+    none: f32, // chance of none, and of some
+    some: f32,
+    normal: vec2f, // mean and deviation of the root of many
+    many: f32, // share of many, 0 to 1
 }
 
 // A grid of cells as one pixel sees it.
@@ -43,59 +45,50 @@ struct MfGlintGrid {
     squares: f32,
 }
 
-// Prepares counts of a mean, above 0. Between powers of two there are four steps.
+// Prepares counts of a mean, above 0.
 fn mf_smooth_poisson(mean: f32) -> MfSmoothPoisson {
     let m: f32 = clamp(mean, 1.0e-30, 1.0e30);
-    let octave: f32 = exp2(floor(log2(m)));
-    let stair: f32 = floor(4.0 * (m / octave - 1.0));
+    let a: f32 = sqrt(max(1.0 - 0.5 * MF_SMOOTH_VARIANCE / m, 0.0));
     var o: MfSmoothPoisson;
     o.mean = m;
-    o.low = octave * (1.0 + stair / 4.0);
-    o.high = octave * (1.0 + (stair + 1.0) / 4.0);
-    o.share = (m - o.low) / (o.high - o.low);
-    o.some = vec2f(mf_one_minus_exp(o.low), mf_one_minus_exp(o.high));
-    o.normal = clamp((m / MF_COUNT_EXACT - 0.75) * 4.0, 0.0, 1.0);
+    o.none = exp(-m);
+    o.some = mf_one_minus_exp(m);
+    o.normal = vec2f(sqrt(m * a), sqrt(0.5 * MF_SMOOTH_VARIANCE / (1.0 + a)));
+    o.many = clamp(2.0 * m - 1.0, 0.0, 1.0);
     return o;
 }
 
-// Variance of smooth counts of this mean, above 0, over the mean: 0.94 to 1, within 0.012. Few flakes are counted by both
-// neighbours or by one, so that the covariance of the two is the lower mean; many vary together.
-fn mf_smooth_variance(mean: f32) -> f32 {
-    let s: MfSmoothPoisson = mf_smooth_poisson(mean);
-    let t: f32 = s.share;
-    let together: f32 = s.low + (sqrt(s.low * s.high) - s.low) * s.mean / (s.mean + 1.0);
-    let mixed: f32 = ((1.0 - t) * (1.0 - t) * s.low + t * t * s.high + 2.0 * t * (1.0 - t) * together) / s.mean;
-    return mix(mixed, 1.0, s.normal);
+// A number with the first five moments of a standard normal one, for a uniform t from -1 to 1: within 0.05 of the normal
+// quantile to 2.5, ending at 2.92.
+fn mf_nearly_normal(t: f32) -> f32 {
+    let s: f32 = t * t;
+    return t * (1.2945762 - 0.9652395 * s) / (1.0 - 0.88715417 * s);
 }
 
-// The count for a uniform u in (0, 1), whole or between two whole numbers: see mf_poisson. At most 48 steps.
-fn mf_smooth_count(s: MfSmoothPoisson, u: f32) -> f32 {
-    let v: f32 = 1.0 - u;
-    if (s.normal <= 0.0 && v >= s.some.y) {
-        return 0.0;
-    }
-    var k: f32 = 0.0;
-    if (s.normal < 1.0) {
-        // Both counts in step: the higher mean is the last to pass.
-        var more: vec2f = s.some;
-        var chance: vec2f = vec2f(exp(-s.low), exp(-s.high));
-        for (var i: u32 = 1u; i < 49u; i = i + 1u) { // turns: 2
-            if (v >= more.y) {
+// The count for v, uniform in 0..1; small v are many flakes. For few, where the count passes k at a chance G for more than k,
+// G / (v ln 2) - 1 between 0 and 1 is added, whose integral is G too: a flake fades while the mean changes by a factor of 2.
+fn mf_smooth_count(s: MfSmoothPoisson, v: f32) -> f32 {
+    var few: f32 = 0.0;
+    if (s.many < 1.0) {
+        let scale: f32 = 1.442695 / v;
+        var more: f32 = s.some;
+        var chance: f32 = s.none;
+        // At a mean of 1, more than 11 have a chance of 1e-9, which f32 does not tell from rounding.
+        for (var i: u32 = 1u; i < 12u; i = i + 1u) { // turns: 2
+            let form: f32 = more * scale - 1.0;
+            if (form <= 0.0) {
                 break;
             }
-            k = k + s.share;
-            if (v < more.x) {
-                k = k + (1.0 - s.share);
-            }
-            chance = vec2f(chance.x * s.low, chance.y * s.high) / f32(i);
+            few = few + min(form, 1.0);
+            chance = chance * s.mean / f32(i);
             more = more - chance;
         }
     }
-    if (s.normal > 0.0) {
-        let z: f32 = mf_normal_quantile(u);
-        k = mix(k, max(mf_skewed_normal(s.mean, sqrt(s.mean), 1.0, z), 0.0), s.normal);
+    if (s.many <= 0.0) {
+        return few;
     }
-    return k;
+    let root: f32 = s.normal.x + s.normal.y * mf_nearly_normal(1.0 - 2.0 * v);
+    return mix(few, root * root, s.many);
 }
 
 // First and last cell of row j with their centres in the kernel. Only rounding may add one or leave one out.
@@ -120,30 +113,35 @@ fn mf_glint_pair(w: f32, u: f32) -> MfWhole {
     return o;
 }
 
+// Words for the four boxes of a half vector, from the first box and two words of the cell: shorter than mf_pcg4d.
+fn mf_glint_words(x: i32, y: i32, prefix: u32, key: u32) -> vec4u {
+    let first: u32 = u32(x) * 0x9E3779B1u + u32(y) * 0x85EBCA77u + key;
+    let mask: u32 = prefix * 0xC2B2AE3Du;
+    var h: vec4u = vec4u(first, first + 0x9E3779B1u, first + 0x85EBCA77u, first + 0x9E3779B1u + 0x85EBCA77u);
+    h = h ^ (h >> vec4u(15u, 15u, 15u, 15u));
+    h = (h ^ vec4u(mask, mask, mask, mask)) * 0x2C1B3C6Du;
+    h = h ^ (h >> vec4u(14u, 14u, 14u, 14u));
+    return h * 0x297A2D39u;
+}
+
+// A chance from all bits of a word: small ones keep their digits.
+fn mf_glint_chance(word: u32) -> f32 {
+    return (f32(word) + 0.5) * 2.3283064e-10;
+}
+
 // Mean of the counts in the four boxes about a half vector, in one cell (i, j counted from the pixel's).
 fn mf_glint_count(grid: MfGlintGrid, i: i32, j: i32, widths: vec2f, seed: u32, counts: MfSmoothPoisson) -> f32 {
     let cell: vec4u = mf_pcg4d(vec4u(u32(grid.home.x + i), u32(grid.home.y + j), u32(grid.level), seed));
     let x: MfWhole = mf_glint_pair(widths.x, mf_unit(cell.x));
     let y: MfWhole = mf_glint_pair(widths.y, mf_unit(cell.y));
-    var sum: f32 = 0.0;
-    for (var n: i32 = 0; n < 4; n = n + 1) { // turns: 4
-        let a: i32 = x.whole + (n & 1);
-        let b: i32 = y.whole + (n >> 1u);
-        // Boxes share hashes in blocks of 2 x 2.
-        let words: vec4u = mf_pcg4d(vec4u(cell.z, cell.w, u32(a >> 1u), u32(b >> 1u)));
-        var bits: vec2u = vec2u(words.x, words.y);
-        if ((b & 1) == 1) {
-            bits = vec2u(words.z, words.w);
-        }
-        var word: u32 = bits.x;
-        if ((a & 1) == 1) {
-            word = bits.y;
-        }
-        let wx: f32 = mix(1.0 - x.rest, x.rest, f32(n & 1));
-        let wy: f32 = mix(1.0 - y.rest, y.rest, f32(n >> 1u));
-        sum = sum + wx * wy * mf_smooth_count(counts, mf_unit(word));
-    }
-    return sum;
+    let words: vec4u = mf_glint_words(x.whole, y.whole, cell.z, cell.w);
+    let f: f32 = x.rest * x.rest * (3.0 - 2.0 * x.rest);
+    let g: f32 = y.rest * y.rest * (3.0 - 2.0 * y.rest);
+    let a: f32 = mf_smooth_count(counts, mf_glint_chance(words.x));
+    let b: f32 = mf_smooth_count(counts, mf_glint_chance(words.y));
+    let c: f32 = mf_smooth_count(counts, mf_glint_chance(words.z));
+    let d: f32 = mf_smooth_count(counts, mf_glint_chance(words.w));
+    return mix(mix(a, b, f), mix(c, d, f), g);
 }
 
 // The sum of weights and of their squares over the cells of a grid, or, if counting, of weighted counts and 0.
@@ -156,7 +154,7 @@ fn mf_glint_cells(grid: MfGlintGrid, counting: bool, widths: vec2f, seed: u32, c
     var row: vec2i = mf_glint_centres(grid, j);
     var i: i32 = row.x;
     var sums: vec2f = vec2f(0.0, 0.0);
-    for (var n: u32 = 0u; n < MF_GLINT_CELLS; n = n + 1u) { // turns: 6
+    for (var n: u32 = 0u; n < MF_GLINT_CELLS; n = n + 1u) { // turns: 5
         if (j > last) {
             break;
         }
@@ -165,7 +163,7 @@ fn mf_glint_cells(grid: MfGlintGrid, counting: bool, widths: vec2f, seed: u32, c
             let d: vec2f = vec2f(f32(i), f32(j)) - c;
             let e: vec2f = vec2f(root.x * d.x + root.y * d.y, root.y * d.x + root.z * d.y);
             let rest: f32 = max(1.0 - dot(e, e), 0.0);
-            let w: f32 = rest * rest;
+            let w: f32 = rest * rest * (3.0 - 2.0 * rest);
             if (counting) {
                 if (w > 0.0) {
                     sums = sums + vec2f(w * mf_glint_count(grid, i, j, widths, seed, counts), 0.0);
@@ -195,8 +193,8 @@ fn mf_glint_grid(seen: MfGlintPixel, level: i32) -> MfGlintGrid {
     let whole: vec2f = vec2f(floor(fine.x), floor(fine.y));
     let x: i32 = (seen.cell.x << down) + i32(whole.x);
     let y: i32 = (seen.cell.y << down) + i32(whole.y);
-    let c: vec3f = seen.kernel.tensor / (side * side);
-    let root: f32 = seen.kernel.root / (side * side);
+    let c: vec3f = seen.kernel.tensor * (MF_GLINT_NARROW2 / (side * side));
+    let root: f32 = seen.kernel.root * (MF_GLINT_NARROW2 / (side * side));
     var kernel: MfGlintKernel;
     kernel.tensor = vec3f(c.x + MF_GLINT_REACH2, c.y, c.z + MF_GLINT_REACH2);
     kernel.root = sqrt(root * root + MF_GLINT_REACH2 * (c.x + c.z + MF_GLINT_REACH2));
@@ -214,10 +212,10 @@ fn mf_glint_grid(seen: MfGlintPixel, level: i32) -> MfGlintGrid {
     return o;
 }
 
-// Variance of a grid's weighted counts for one expected flake per unit area and box. 4/9 is the mean sum of squared weights of
-// the four boxes about a half vector.
+// Variance of a grid's weighted Poisson counts for one expected flake per unit area and box. The factor is the mean sum of
+// squared weights of the four boxes about a half vector, (26 / 35)^2.
 fn mf_glint_grid_variance(grid: MfGlintGrid) -> f32 {
-    return 0.44444444 * grid.squares / (grid.sum * grid.sum * grid.side * grid.side);
+    return 0.55183673 * grid.squares / (grid.sum * grid.sum * grid.side * grid.side);
 }
 
 // Mean of a grid's counts over their mean; density: flakes per unit area and box.
@@ -233,24 +231,18 @@ fn mf_glint_binomial(seen: MfGlintPixel, light: MfGlintLight, flakes: MfFlakes) 
         return 1.0;
     }
     let varied: f32 = clamp(flakes.variation, 0.0, MF_FLAKE_MOST_VARIATION);
-    // Half the logarithm of the short radius squared, which is the root over the anisotropy.
-    let finest2: f32 = MF_GLINT_FINEST * MF_GLINT_FINEST;
-    let position: f32 = 0.5 * log2(seen.kernel.root / (mf_glint_anisotropy(seen.kernel) * finest2));
-    let level: i32 = i32(floor(position));
-    let share: f32 = position - floor(position);
+    // The short radius, squared, is the root over the anisotropy.
+    let position: f32 = sqrt(seen.kernel.root / mf_glint_anisotropy(seen.kernel)) / MF_GLINT_FINEST;
+    let level: i32 = i32(floor(log2(position)));
     let fine: MfGlintGrid = mf_glint_grid(seen, level);
     let coarse: MfGlintGrid = mf_glint_grid(seen, level + 1);
-    // Flakes per area and chart that leave the variance of independent flakes, (1 + variation^2) / N_eff.
+    // Nearly the logarithm's rest.
+    let rest: f32 = position / fine.side - 1.0;
+    let share: f32 = clamp(rest * (1.344 - 0.344 * rest), 0.0, 1.0);
+    // Flakes per area and box that leave the variance of independent flakes, (1 + variation^2) / N_eff.
     let a: f32 = (1.0 - share) * (1.0 - share) * mf_glint_grid_variance(fine);
     let b: f32 = share * share * mf_glint_grid_variance(coarse);
-    let per_flake: f32 = n_eff / (1.0 + varied * varied);
-    let area: f32 = fine.side * fine.side;
-    // Smooth counts keep a share of the variance that depends on their mean; two rounds find it to a thousandth.
-    var density: f32 = per_flake * (a + b);
-    for (var i: u32 = 0u; i < 2u; i = i + 1u) { // turns: 2
-        let more: f32 = b * mf_smooth_variance(4.0 * density * area);
-        density = per_flake * (a * mf_smooth_variance(density * area) + more);
-    }
+    let density: f32 = MF_SMOOTH_VARIANCE * n_eff / (1.0 + varied * varied) * (a + b);
     var g: f32 = 0.0;
     var grid: MfGlintGrid = fine;
     var weight: f32 = 1.0 - share;

@@ -49,6 +49,18 @@ pub(super) fn mix(place: [u32; 2], prefix: u32, key: u32) -> u32 {
     h.wrapping_mul(0x297A_2D39)
 }
 
+/// [`mix`] of four places, a square of two by two: two products each.
+#[inline(always)]
+pub(super) fn four(place: [u32; 2], prefix: u32, key: u32) -> [u32; 4] {
+    let [x, y] = [0x9E37_79B1u32, 0x85EB_CA77];
+    let first = place[0].wrapping_mul(x).wrapping_add(place[1].wrapping_mul(y)).wrapping_add(key);
+    let (right, mask) = (first.wrapping_add(x), prefix.wrapping_mul(0xC2B2_AE3D));
+    [first, right, first.wrapping_add(y), right.wrapping_add(y)].map(|h| {
+        let h = ((h ^ h >> 15) ^ mask).wrapping_mul(0x2C1B_3C6D);
+        (h ^ h >> 14).wrapping_mul(0x297A_2D39)
+    })
+}
+
 #[cfg(test)]
 #[allow(clippy::type_complexity)]
 mod tests {
@@ -64,6 +76,54 @@ mod tests {
         ];
         for (v, expected) in cases {
             assert_eq!(pcg4d(v), expected, "{v:x?}");
+        }
+    }
+
+    #[test]
+    fn four_mixes_are_those_of_four_places() {
+        for n in 0..1000 {
+            let [x, y, prefix, key] = pcg4d([n, 5, 6, 7]);
+            let places =
+                [[x, y], [x.wrapping_add(1), y], [x, y.wrapping_add(1)], [x.wrapping_add(1), y.wrapping_add(1)]];
+            assert_eq!(four([x, y], prefix, key), places.map(|place| mix(place, prefix, key)));
+        }
+    }
+
+    /// Words of neighbouring boxes of one cell, and of the same box of neighbouring cells, are independent: chi-squared of
+    /// pairs on a grid of 16 x 16 within 5 standard deviations, for the top bits and for rare small words.
+    #[test]
+    fn words_of_boxes_are_pairwise_independent() {
+        let words = |i: u32, j: u32, a: u32| {
+            let [_, _, prefix, key] = pcg4d([i, j, 3, 1]);
+            four([a, 40], prefix, key)
+        };
+        for shift in [28, 24, 20] {
+            // Of the words with smaller top bits.
+            let bins = |a: u32, b: u32| {
+                let top = |w: u32| w >> shift;
+                (top(a) < 16 && top(b) < 16).then_some((top(a) << 4 | top(b)) as usize)
+            };
+            let side = if shift == 28 { 300 } else { 1200 };
+            let mut cells = vec![[0u32; 256]; 5];
+            for i in 0..side {
+                for j in 0..side {
+                    let [first, right, up, both] = words(i, j, i & 7);
+                    let [beside, ..] = words(i + 1, j, i & 7);
+                    for (n, other) in [right, up, both, beside].into_iter().enumerate() {
+                        bins(first, other).into_iter().for_each(|bin| cells[n][bin] += 1);
+                    }
+                    bins(right, up).into_iter().for_each(|bin| cells[4][bin] += 1);
+                }
+            }
+            for (n, cells) in cells.iter().enumerate() {
+                let found = cells.iter().sum::<u32>();
+                assert!(excess(cells).abs() < 5.0, "pair {n}: {}", excess(cells));
+                // All the pairs: as many as chance makes.
+                let share = 16.0 * f64::from(1u32 << shift) / 4_294_967_296.0;
+                let expected = f64::from(side * side) * share * share;
+                let off = (f64::from(found) - expected) / expected.sqrt();
+                assert!(off.abs() < 5.0, "pair {n}, shift {shift}: {found} for {expected}");
+            }
         }
     }
 

@@ -149,7 +149,7 @@ fn scratches_run_along_their_direction() {
 fn turned_footprints_have_the_same_statistics() {
     for evaluator in &EVALUATORS[..2] {
         for angle in [0.0, 0.4, 0.785, 1.3] {
-            let m = moments(6000, |n| {
+            let m = moments(20_000, |n| {
                 let mut q = query(n);
                 let shear = DMat2::from_cols(DVec2::new(4e-3, 0.0), DVec2::new(1e-3, 5e-4));
                 q.jacobian = DMat2::from_angle(angle) * shear;

@@ -2,7 +2,10 @@
 
 use glam::DVec2;
 
+use rayon::prelude::*;
+
 use super::{Case, correlation, quantile, sample};
+use crate::glint::field::{even_variance, layer};
 use crate::glint::{BIWEIGHT_AREA, Probe, evaluator, pcg4d, unit};
 
 /// A direction of one's own for each sample.
@@ -49,18 +52,19 @@ fn any(n: u32) -> Case {
 }
 
 fn small_steps(count: u32) {
-    // Counts are rougher: their mean follows the weights of cells, which follow the pixel and its size; and one flake of
-    // few is many deviations bright.
-    for (name, limits) in [("field", [0.06, 0.06, 0.2]), ("binomial", [0.15, 0.9, 0.2])] {
+    // One flake of few is 10 deviations bright and more. Counts are rougher: as a grid of cells fades out its flakes do too,
+    // within the 256 steps of an octave, and those of the next are fewer and brighter meanwhile.
+    let field = [("pan", 0.045, 0.08), ("zoom", 0.05, 0.08), ("turn", 0.075, 0.13)];
+    let binomial = [("pan", 0.05, 0.09), ("zoom", 0.115, 0.16), ("turn", 0.06, 0.085)];
+    for (name, limits) in [("field", field), ("binomial", binomial)] {
         let pan = changes(name, any, count, |p, n| pan(p, 1.0 / 256.0, n));
         let zoom = changes(name, any, count, |p, _| p.kernel = p.kernel.scaled(2f64.powf(1.0 / 256.0)));
         let turn = changes(name, any, count, |p, n| turn(p, 1.0 / 4096.0, n));
-        for (what, (most, largest), limit) in
-            [("pan", pan, limits[0]), ("zoom", zoom, limits[1]), ("turn", turn, limits[2])]
-        {
+        for ((most, largest), (what, limit, bound)) in [pan, zoom, turn].into_iter().zip(limits) {
             eprintln!("{name}, {what}: P99.99 {most:.3} sigma, largest {largest:.3}");
-            assert!(most < limit, "{name}, {what}: {most}");
-            assert!(largest < 2.5 * limit, "{name}, {what}: largest {largest}");
+            // Of few samples the percentile is the largest.
+            assert!(most < if count < 100_000 { bound } else { limit }, "{name}, {what}: {most}");
+            assert!(largest < bound, "{name}, {what}: largest {largest}");
         }
     }
 }
@@ -92,7 +96,7 @@ fn no_seams_between_numbers_of_flakes() {
 /// Twice as far away, the same flakes: `1 - correlation` is below 0.4.
 #[test]
 fn flakes_stay_when_zooming() {
-    for (name, limit) in [("field", 0.4), ("binomial", 1.0)] {
+    for (name, limit) in [("field", 0.4), ("binomial", 0.9)] {
         let ratio = evaluator(name).unwrap().ratio;
         for n_eff in [0.1, 0.3] {
             let pairs: Vec<_> = (0..12_000)
@@ -124,9 +128,10 @@ fn autocorrelation(distance: f64) -> f64 {
     cross / own
 }
 
-/// Pixels that far apart are as alike as their kernels are, for few flakes, within 0.05 and 4 standard errors.
+/// Pixels that far apart are as alike as their kernels are, for few flakes, within 0.05 and 4 standard errors; counts by up to
+/// 0.27 more, for their cells reach beyond the pixel.
 fn structure(count: u32) {
-    for (name, n_eff, limit) in [("field", 0.1, 0.05), ("field", 1.0, 0.08), ("binomial", 0.1, 0.5)] {
+    for (name, n_eff, limit) in [("field", 0.1, 0.05), ("field", 1.0, 0.08), ("binomial", 0.1, 0.27)] {
         let ratio = evaluator(name).unwrap().ratio;
         for pixels in [0.125, 0.25, 0.5, 1.0, 2.0] {
             let pairs: Vec<_> = (0..count)
@@ -154,6 +159,34 @@ fn pixels_are_as_alike_as_their_kernels() {
 #[ignore = "samples of 100000"]
 fn pixels_are_as_alike_as_their_kernels_at_length() {
     structure(100_000);
+}
+
+/// What even filling and varied weights make of the correlation of the field, for as many flakes as are summed one by one: of
+/// the even part, its share of the variance `even_variance`, pixels are less alike than their kernels are, for a flake here
+/// leaves none of its direction for the cells around; of the weights' part as much.
+#[test]
+fn evenly_filled_pixels_are_less_alike() {
+    let pairs = |pixels: f64, weights: f64| {
+        let pairs: Vec<_> = (0..20_000)
+            .into_par_iter()
+            .map(|n| {
+                let mut p = Case::round(1.0, 0.01).probe(n, 61);
+                let here = layer(&p, 0, weights);
+                pan(&mut p, pixels, n);
+                (here, layer(&p, 0, weights))
+            })
+            .collect();
+        correlation(&pairs)
+    };
+    for pixels in [0.5, 1.0, 1.5] {
+        let even = even_variance(1.0, 1.0);
+        let (whole, of_even) = (pairs(pixels, 1.0 - even), pairs(pixels, 0.0));
+        let kernels = autocorrelation(pixels / 2f64.sqrt());
+        let expected = even * of_even + (1.0 - even) * kernels;
+        eprintln!("{pixels} px: {whole:.3}, even {of_even:.3}, kernels {kernels:.3}, both {expected:.3}");
+        assert!((whole - expected).abs() < 0.02, "{pixels}: {whole} for {expected}");
+        assert!(of_even < kernels - 0.03, "{pixels}: {of_even} for {kernels}");
+    }
 }
 
 #[test]
