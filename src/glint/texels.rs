@@ -27,9 +27,12 @@
 //!
 //! Close up this is the truth, far away the folded lobe of the mip chain; [`Transition`] leads from one to the other.
 
+mod chance;
 mod element;
 mod error;
+mod errors;
 mod footprint;
+mod pieces;
 mod pyramid;
 mod query;
 mod slopes;
@@ -37,13 +40,14 @@ mod slopes;
 #[allow(clippy::print_stdout, clippy::type_complexity, reason = "tables of figures")]
 mod tests;
 mod transition;
+mod ways;
 
 pub use error::InvalidTexels;
 pub use footprint::{Footprint, TexelWidth};
 pub use pyramid::{BLOCK_CHANNELS, Block, Level, Pyramid};
-pub use query::{Tails, Visits};
 pub use slopes::{AlphaSource, SLOPE_CHANNELS, STEEPEST, SlopeMap};
 pub use transition::Transition;
+pub use ways::{Tails, Visits};
 
 use glam::{DMat2, DVec2, DVec3};
 use ndarray::Array3;

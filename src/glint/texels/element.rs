@@ -32,6 +32,25 @@ pub(super) fn lobe(p: DVec3, inverse: f64) -> f64 {
     FRAC_1_PI * inverse2 * share(p, inverse) / (v2 * v2)
 }
 
+/// The lobe at h of normals about one with coordinates p that are spread along two axes, as a GGX lobe that is wider
+/// by the squares of these (as LEAN adds twice the covariance of slopes).
+#[inline]
+pub(super) fn stretched_lobe(p: DVec3, alpha: f64, axes: [DVec3; 2]) -> f64 {
+    if p.z <= 0.0 {
+        return lobe(p, 1.0 / alpha);
+    }
+    let over = 1.0 / p.z;
+    let at = p.truncate() * over;
+    let [a, b] = axes.map(|v| (v.truncate() - at * v.z) * over);
+    let alpha2 = alpha * alpha;
+    let (xx, yy) = (alpha2 + a.x * a.x + b.x * b.x, alpha2 + a.y * a.y + b.y * b.y);
+    let xy = a.x * a.y + b.x * b.y;
+    let det = xx * yy - xy * xy;
+    let d2 = (yy * at.x * at.x - 2.0 * xy * at.x * at.y + xx * at.y * at.y) / det;
+    let v2 = p.z * p.z * (1.0 + d2);
+    FRAC_1_PI * share(p, 1.0 / alpha) / (det.sqrt() * v2 * v2)
+}
+
 /// `|N|^4` and surface over the map's area.
 #[inline]
 pub(super) fn share(p: DVec3, inverse: f64) -> f64 {

@@ -10,7 +10,8 @@ mod pruning;
 
 use glam::{DMat2, DVec2, DVec3};
 
-use super::query::{Query, Ways};
+use super::query::Query;
+use super::ways::Ways;
 use super::{AlphaSource, Footprint, TexelGlints, Visits};
 use crate::roughness::Alpha;
 
