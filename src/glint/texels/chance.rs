@@ -16,7 +16,7 @@ use super::ways::Visits;
 /// Standard deviation of a sum, over the sum.
 pub(super) const SPREAD: f64 = 3e-3;
 /// Tolerance of the first look, over a rough guess of the sum.
-const FIRST: f64 = 2e-3;
+const FIRST: f64 = 0.02;
 /// Width of the pixel, in texels, below which every texel is looked into.
 const EXACT: f64 = 4.0;
 /// Looks after the first.
@@ -43,6 +43,8 @@ pub(super) struct Chance {
     pub(super) tau: f64,
     /// Of the sum, as expected.
     pub(super) variance: f64,
+    /// What the sum may be.
+    pub(super) guess: f64,
 }
 
 impl Query<'_> {
@@ -59,34 +61,40 @@ impl Query<'_> {
     pub(super) fn spread(mut self, spread: f64) -> (f64, Visits) {
         // Estimates alone.
         self.chance.tau = f64::INFINITY;
-        self.chance = Chance { tau: FIRST * self.sum(), variance: 0.0 };
+        let guess = self.sum();
+        self.chance = Chance { tau: FIRST * guess, variance: 0.0, guess };
         let mut sum = self.sum();
         for _ in 0..LOOKS {
-            let allowed = (spread * sum).powi(2);
+            // A first look may be far off: as far as the guess.
+            let share = guess * guess / (guess * guess + 4.0 * self.chance.variance);
+            let about = share * sum + (1.0 - share) * guess;
+            let allowed = (spread * about).powi(2);
             if self.chance.variance <= allowed {
                 break;
             }
             // The variance goes with tau, if not quite.
-            self.chance.tau *= (0.9 * allowed / self.chance.variance).max(0.02);
+            self.chance.tau *= (0.9 * allowed / self.chance.variance).max(0.01);
             self.chance.variance = 0.0;
             sum = self.sum();
         }
         (sum, self.visits)
     }
 
-    /// The sum of a part for which `estimate` stands, off by about `error`; `weight` is 1 over the probability that
+    /// The sum of a part for which `estimate` stands, off by about `error`, where it is asked for; `weight` is 1 over the probability that
     /// led here.
     #[inline]
     pub(super) fn settle(
         &mut self,
-        (estimate, error): (f64, f64),
+        error: f64,
         (key, weight): (u64, f64),
         feat: (i32, f64, f64),
+        estimate: impl FnOnce(&mut Self) -> f64,
         exact: impl FnOnce(&mut Self, f64) -> f64,
     ) -> f64 {
         let Chance { tau, .. } = self.chance;
         #[cfg(test)]
         if self.log.is_some() {
+            let estimate = estimate(self);
             let truth = exact(self, 1.0);
             if let Some(log) = &mut self.log {
                 log.push((feat.0, feat.1, feat.2, estimate, error, truth));
@@ -99,6 +107,7 @@ impl Query<'_> {
         }
         let p = expected / tau;
         self.chance.variance += expected * tau * (1.0 - p);
+        let estimate = estimate(self);
         if unit(key) >= p { estimate } else { estimate + (exact(self, weight / p) - estimate) / p }
     }
 }

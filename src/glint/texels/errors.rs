@@ -21,6 +21,13 @@ pub(super) fn block(mean: f64, range: &Range, alpha: f64, cells: usize) -> f64 {
     spiky.min(0.0025 * highest * wide * root)
 }
 
+/// The mean over a cell away from h by half of this: what its nearest part may have.
+#[inline]
+pub(super) fn beside(range: &Range, alpha: f64) -> f64 {
+    let width = (range.extent / range.near).sqrt();
+    0.5 * highest(range, alpha) / width * (8.0 / width).min(1.0)
+}
+
 /// The mean over a piece by four points.
 #[inline]
 pub(super) fn points(range: &Range, alpha: f64) -> f64 {

@@ -33,10 +33,17 @@ impl Query<'_> {
         let p = self.map.cell(x, y).map(|s| self.seen(s.as_dvec2()));
         let alpha = self.map.widths(x, y).map(f64::from);
         let widest = alpha.into_iter().fold(0.0, f64::max);
-        if Range::new(&p, 1.0 / widest).near > self.cut {
+        let range = Range::new(&p, 1.0 / widest);
+        if range.near > self.cut {
             return 0.0;
         }
-        self.piece(&Piece { p, centre, half: 0.5, alpha }, 0, (cell_key(first), weight))
+        let (of, piece) = (cell_key(first), Piece { p, centre, half: 0.5, alpha });
+        let wide = range.extent / range.near;
+        if self.chance.tau > 0.0 && range.near > 4.0 && wide > 4.0 {
+            let rough = self.footprint.at(centre) * errors::beside(&range, widest);
+            return self.settle(rough, (key(of, 9), weight), (7, range.near, wide), |_| 0.5 * rough, |query, weight| query.piece(&piece, 0, (of, weight)));
+        }
+        self.piece(&piece, 0, (of, weight))
     }
 
     /// Integral over a piece of a cell.
@@ -57,14 +64,14 @@ impl Query<'_> {
             return if straight { self.triangles(piece, mean) } else { self.divided(piece, depth, (of, weight)) };
         }
         let kernel = 4.0 * half * half * self.footprint.at(piece.centre);
-        let coarse = (self.points(piece, mean), kernel * errors::points(&range, mean));
-        self.settle(coarse, (key(of, 1), weight), (depth as i32, range.near, range.extent/range.near), |query, weight| {
-            let closed = query.triangles(piece, mean);
+        let error = kernel * errors::points(&range, mean);
+        self.settle(error, (key(of, 1), weight), (depth as i32, range.near, range.extent/range.near), |query| query.points(piece, mean), |query, weight| {
             if straight {
-                return closed;
+                return query.triangles(piece, mean);
             }
             let error = kernel * errors::triangles(twist(p, mean), steepening(p), &range, mean);
-            query.settle((closed, error), (key(of, 2), weight), (5, range.near, twist(p, mean).powi(2)/range.near), |query, weight| query.divided(piece, depth, (of, weight)))
+            let closed = |query: &mut Self| query.triangles(piece, mean);
+            query.settle(error, (key(of, 2), weight), (5, range.near, twist(p, mean).powi(2)/range.near), closed, |query, weight| query.divided(piece, depth, (of, weight)))
         })
     }
 

@@ -131,23 +131,26 @@ impl<'a> Query<'a> {
         };
         if ways.moments && even && side <= ways.kernel_block && range.within(self.cut) {
             let few = range.few(ways.far, [ways.extent_block, ways.extent_block_far]);
-            if few || self.chance.tau > 0.0 {
+            let (widest, cells, Chance { tau, guess, .. }) = (f64::from(alpha[1]), (x1 - x0) * (y1 - y0), self.chance);
+            // Not where even a dim estimate would be looked into.
+            let dim = || errors::block(0.1 * guess, &range, widest, cells) * self.footprint.at(centre) * cells as f64;
+            if few || (tau > 0.0 && weight * dim() < tau) {
                 let (kernel, mean) = self.moments(block, centre, half);
                 if few || kernel == 0.0 {
                     return kernel * mean;
                 }
-                let alpha = f64::from(alpha[1]);
-                let mean = mean.min(errors::highest(&range, alpha));
-                let error = kernel * errors::block(mean, &range, alpha, (x1 - x0) * (y1 - y0));
-                return self.settle((kernel * mean, error), (key(cell_key(first), level as u64), weight), (10+level as i32, range.near, range.extent/range.near), below);
+                let mean = mean.min(errors::highest(&range, widest));
+                let error = kernel * errors::block(mean, &range, widest, cells);
+                let key = key(cell_key(first), level as u64);
+                return self.settle(error, (key, weight), (10+level as i32, range.near, range.extent/range.near), |_| kernel * mean, below);
             }
         }
         below(self, weight)
     }
 
     /// A block by its moments: the kernel over it, and the mean of four lobes with, together, the mean and covariance of
-    /// its slopes. What of the covariance is less than the lobe's own width is between their normals, the rest in their
-    /// widths.
+    /// its slopes. What of the covariance is less than the lobe's own width, or than the distance of h, is between their
+    /// normals, the rest in their widths.
     fn moments(&mut self, block: &Block, centre: DVec2, half: DVec2) -> (f64, f64) {
         self.visits.points += 1;
         let kernel: f64 = Footprint::nodes(centre, half).iter().map(|x| self.footprint.at(*x)).sum();
@@ -166,10 +169,12 @@ impl<'a> Query<'a> {
             let across = xy / l;
             (DVec2::new(across, l), DVec2::new((xx - across * across).max(0.0).sqrt(), 0.0))
         };
-        let trace = xx + yy;
-        let wide = trace / (trace + alpha * alpha);
+        // Far from h the lobe is wide enough: its tail is no longer than it was.
+        let at = self.seen(mean);
+        let away = at.truncate().length_squared() / (at.z * at.z).max(1e-4);
+        let wide = (xx + yy) / (xx + yy + alpha * alpha + away);
         let step = (2.0 * (1.0 - wide)).sqrt();
-        let frame = |v: DVec2| self.seen(mean + v) - self.seen(mean);
+        let frame = |v: DVec2| self.seen(mean + v) - at;
         let axes = [a, b].map(|v| frame(v) * (2.0 * wide).sqrt());
         let (a, b) = (a * step, b * step);
         let lobes = [mean + a, mean - a, mean + b, mean - b].map(|s| stretched_lobe(self.seen(s), alpha, axes));

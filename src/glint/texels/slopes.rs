@@ -82,7 +82,11 @@ impl SlopeMap {
     /// Slopes at the corners of a cell.
     #[inline]
     pub(super) fn cell(&self, x: usize, y: usize) -> [Vec2; 4] {
-        self.corners(x, y).map(|at| self.slope[at])
+        let (columns, rows) = self.size();
+        let texels = self.slope.as_slice().expect("standard layout");
+        let (above, below) = (&texels[y * columns..], &texels[if y + 1 == rows { 0 } else { (y + 1) * columns }..]);
+        let right = if x + 1 == columns { 0 } else { x + 1 };
+        [above[x], above[right], below[x], below[right]]
     }
 
     /// Widths at the corners of a cell.

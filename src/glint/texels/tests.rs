@@ -7,6 +7,7 @@ mod cost;
 mod hostile;
 mod maps;
 mod pruning;
+mod spread;
 
 use glam::{DMat2, DVec2, DVec3};
 
@@ -30,12 +31,12 @@ fn glints(normals: &ndarray::Array3<f32>, alpha: f32) -> TexelGlints {
     TexelGlints::new(normals, AlphaSource::Constant(Alpha(alpha))).unwrap()
 }
 
-/// D by another way than the usual.
+/// The exact D by other ways than the usual.
 fn ask(glints: &TexelGlints, footprint: &Footprint, h: DVec3, ways: Ways) -> (f64, Visits) {
     match Query::new(&glints.slopes, &glints.pyramid, footprint, h, glints.tails) {
         Some(mut query) => {
             query.ways = ways;
-            query.evaluate()
+            (query.sum(), query.visits)
         }
         None => Default::default(),
     }

@@ -78,7 +78,7 @@ impl Ways {
         extent_nodes: 0.36,
         extent_block: 0.1,
         far: 101.0,
-        extent_nodes_far: 4.0,
+        extent_nodes_far: 2.5,
         extent_block_far: 1.0,
         twist: 0.04,
         steepening: 1.1,
@@ -99,7 +99,13 @@ impl Range {
     #[inline]
     pub(super) fn new(p: &[glam::DVec3; 4], inverse: f64) -> Self {
         let (min, max) = (p[0].min(p[1]).min(p[2].min(p[3])), p[0].max(p[1]).max(p[2].max(p[3])));
-        let apart = min.truncate().max(-max.truncate()).max(glam::DVec2::ZERO).length_squared();
+        let zero = glam::DVec2::ZERO;
+        let apart = min.truncate().max(-max.truncate()).max(zero).length_squared();
+        // The same box turned by an eighth, for what lies along a diagonal.
+        let turned = p.map(|p| glam::DVec2::new(p.x + p.y, p.x - p.y));
+        let least = turned[0].min(turned[1]).min(turned[2].min(turned[3]));
+        let most = turned[0].max(turned[1]).max(turned[2].max(turned[3]));
+        let apart = apart.max(0.5 * least.max(-most).max(zero).length_squared());
         let inverse2 = inverse * inverse;
         let near = if max.z > 0.0 { 1.0 + apart * inverse2 / (max.z * max.z) } else { f64::INFINITY };
         let z = min.z.max(0.05);
