@@ -14,7 +14,7 @@ use super::query::Query;
 use super::ways::Visits;
 
 /// Standard deviation of a sum, over the sum.
-pub(super) const SPREAD: f64 = 3e-3;
+pub(super) const SPREAD: f64 = 4.5e-3;
 /// Tolerance of the first look, over a rough guess of the sum.
 const FIRST: f64 = 0.02;
 /// Width of the pixel, in texels, below which every texel is looked into.
@@ -69,7 +69,7 @@ impl Query<'_> {
             let share = guess * guess / (guess * guess + 4.0 * self.chance.variance);
             let about = share * sum + (1.0 - share) * guess;
             let allowed = (spread * about).powi(2);
-            if self.chance.variance <= allowed {
+            if self.chance.variance <= 1.3 * allowed {
                 break;
             }
             // The variance goes with tau, if not quite.
@@ -87,20 +87,10 @@ impl Query<'_> {
         &mut self,
         error: f64,
         (key, weight): (u64, f64),
-        feat: (i32, f64, f64),
         estimate: impl FnOnce(&mut Self) -> f64,
         exact: impl FnOnce(&mut Self, f64) -> f64,
     ) -> f64 {
         let Chance { tau, .. } = self.chance;
-        #[cfg(test)]
-        if self.log.is_some() {
-            let estimate = estimate(self);
-            let truth = exact(self, 1.0);
-            if let Some(log) = &mut self.log {
-                log.push((feat.0, feat.1, feat.2, estimate, error, truth));
-            }
-            return truth;
-        }
         let expected = weight * error;
         if !(expected < tau) {
             return exact(self, weight);

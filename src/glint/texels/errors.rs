@@ -40,6 +40,7 @@ pub(super) fn points(range: &Range, alpha: f64) -> f64 {
 #[inline]
 pub(super) fn triangles(twist: f64, steepening: f64, range: &Range, alpha: f64) -> f64 {
     let wide = range.extent / range.near;
-    let off = (0.15 * twist / range.near.sqrt()).min(0.2) + (0.03 * (steepening - 1.0)).min(0.1);
+    let folded = if range.near > 4.0 { 0.05 } else { 0.15 };
+    let off = (folded * twist / range.near.sqrt()).min(0.2) + (0.03 * (steepening - 1.0)).min(0.1);
     highest(range, alpha) * off / wide.sqrt().max(1.0)
 }

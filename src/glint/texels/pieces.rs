@@ -33,17 +33,10 @@ impl Query<'_> {
         let p = self.map.cell(x, y).map(|s| self.seen(s.as_dvec2()));
         let alpha = self.map.widths(x, y).map(f64::from);
         let widest = alpha.into_iter().fold(0.0, f64::max);
-        let range = Range::new(&p, 1.0 / widest);
-        if range.near > self.cut {
+        if Range::new(&p, 1.0 / widest).near > self.cut {
             return 0.0;
         }
-        let (of, piece) = (cell_key(first), Piece { p, centre, half: 0.5, alpha });
-        let wide = range.extent / range.near;
-        if self.chance.tau > 0.0 && range.near > 4.0 && wide > 4.0 {
-            let rough = self.footprint.at(centre) * errors::beside(&range, widest);
-            return self.settle(rough, (key(of, 9), weight), (7, range.near, wide), |_| 0.5 * rough, |query, weight| query.piece(&piece, 0, (of, weight)));
-        }
-        self.piece(&piece, 0, (of, weight))
+        self.piece(&Piece { p, centre, half: 0.5, alpha }, 0, (cell_key(first), weight))
     }
 
     /// Integral over a piece of a cell.
@@ -59,19 +52,39 @@ impl Query<'_> {
         if !ways.closed || uneven || side > ways.kernel_linear {
             return self.divided(piece, depth, (of, weight));
         }
-        let straight = self.straight(piece, mean, &range);
         if self.chance.tau == 0.0 {
+            let straight = self.straight(piece, mean, &range);
             return if straight { self.triangles(piece, mean) } else { self.divided(piece, depth, (of, weight)) };
         }
         let kernel = 4.0 * half * half * self.footprint.at(piece.centre);
-        let error = kernel * errors::points(&range, mean);
-        self.settle(error, (key(of, 1), weight), (depth as i32, range.near, range.extent/range.near), |query| query.points(piece, mean), |query, weight| {
-            if straight {
-                return query.triangles(piece, mean);
+        if range.near > 4.0 && range.extent > 4.0 * range.near {
+            let error = kernel * errors::beside(&range, mean);
+            let some = |_: &mut Self| 0.5 * error;
+            return self.settle(error, (key(of, 0), weight), some, |query, weight| {
+                query.at_points(piece, (&range, mean, kernel), depth, (of, weight))
+            });
+        }
+        self.at_points(piece, (&range, mean, kernel), depth, (of, weight))
+    }
+
+    /// Points stand for a piece, or else triangles, or else its quarters.
+    fn at_points(
+        &mut self,
+        piece: &Piece,
+        (range, alpha, kernel): (&Range, f64, f64),
+        depth: usize,
+        (of, weight): (u64, f64),
+    ) -> f64 {
+        let error = kernel * errors::points(range, alpha);
+        let points = |query: &mut Self| query.points(piece, alpha);
+        self.settle(error, (key(of, 1), weight), points, |query, weight| {
+            if query.straight(piece, alpha, range) {
+                return query.triangles(piece, alpha);
             }
-            let error = kernel * errors::triangles(twist(p, mean), steepening(p), &range, mean);
-            let closed = |query: &mut Self| query.triangles(piece, mean);
-            query.settle(error, (key(of, 2), weight), (5, range.near, twist(p, mean).powi(2)/range.near), closed, |query, weight| query.divided(piece, depth, (of, weight)))
+            let (twist, steepening) = (twist(&piece.p, alpha), steepening(&piece.p));
+            let error = kernel * errors::triangles(twist, steepening, range, alpha);
+            let closed = |query: &mut Self| query.triangles(piece, alpha);
+            query.settle(error, (key(of, 2), weight), closed, |query, weight| query.divided(piece, depth, (of, weight)))
         })
     }
 

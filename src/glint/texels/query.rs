@@ -20,8 +20,6 @@ pub(super) struct Query<'a> {
     pub(super) ways: Ways,
     pub(super) visits: Visits,
     pub(super) chance: Chance,
-    #[cfg(test)]
-    pub(super) log: Option<Vec<(i32, f64, f64, f64, f64, f64)>>,
 }
 
 impl<'a> Query<'a> {
@@ -48,8 +46,6 @@ impl<'a> Query<'a> {
             ways: Ways::BEST,
             visits: Visits::default(),
             chance: Chance::default(),
-            #[cfg(test)]
-            log: None,
         })
     }
 
@@ -142,7 +138,7 @@ impl<'a> Query<'a> {
                 let mean = mean.min(errors::highest(&range, widest));
                 let error = kernel * errors::block(mean, &range, widest, cells);
                 let key = key(cell_key(first), level as u64);
-                return self.settle(error, (key, weight), (10+level as i32, range.near, range.extent/range.near), |_| kernel * mean, below);
+                return self.settle(error, (key, weight), |_| kernel * mean, below);
             }
         }
         below(self, weight)

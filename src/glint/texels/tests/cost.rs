@@ -77,23 +77,8 @@ fn chances_compared() {
                 let n = half.len();
                 let query = |h: &DVec3| Query::new(&glints.slopes, &glints.pyramid, &footprint, *h, Tails::Kept).unwrap();
                 if !only.is_empty() && !only.contains(name) { continue; }
-                if std::env::var("LOG").is_ok() {
-                    let mut bins = std::collections::BTreeMap::<(i32, i32, i32), (f64, f64, f64, f64)>::new();
-                    let mut q = query(&half[0]);
-                    q.chance.tau = 1e-300;
-                    if width < 20.0 { continue }
-                    q.log = Some(vec![]);
-                    q.sum();
-                    for (kind, near, wide, est, err, truth) in q.log.unwrap() {
-                        let b = bins.entry((kind, (near as f64).log2().clamp(0.0, 12.0) as i32 / 2 * 2, wide.max(1e-6).log2().floor().clamp(-20.0, 20.0) as i32)).or_default();
-                        b.0 += 1.0; b.1 += err * err; b.2 += (est - truth).powi(2); b.3 += est - truth;
-                    }
-                    println!("{name} {alpha} {width}");
-                    for (k, b) in bins { println!("   {k:?}: {:6} est {:.2e} true {:.2e} ratio {:.2} bias {:.2}", b.0, (b.1/b.0).sqrt(), (b.2/b.0).sqrt(), (b.2/b.1).sqrt(), b.3/(b.0*b.2).sqrt()); }
-                    continue;
-                }
-                let (truth, full) = timed(n, || half.iter().map(|h| query(h).sum()).collect::<Vec<_>>());
-                let (all, ns) = timed(n, || half.iter().map(|h| query(h).spread(std::env::var("SPREAD").map_or(3e-3, |s| s.parse().unwrap()))).collect::<Vec<_>>());
+                let (truth, full) = if std::env::var("FAST").is_err() { timed(n, || half.iter().map(|h| query(h).sum()).collect::<Vec<_>>()) } else { (vec![1.0; n], 0.0) };
+                let (all, ns) = timed(n, || half.iter().map(|h| query(h).spread(std::env::var("SPREAD").map_or(4.5e-3, |s| s.parse().unwrap()))).collect::<Vec<_>>());
                 let (d, visits): (Vec<f64>, Vec<Visits>) = all.into_iter().unzip();
                 let mean = |of: fn(&Visits) -> usize| visits.iter().map(of).sum::<usize>() / n;
                 let off = d.iter().zip(&truth).map(|(d, t)| (d - t).abs()).sum::<f64>() / truth.iter().sum::<f64>();
@@ -162,27 +147,4 @@ fn ways_compared() {
             }
         }
     }
-}
-
-#[test]
-#[ignore]
-fn micro() {
-    use crate::glint::texels::element::*;
-    let corners: Vec<[DVec3; 4]> = (0..1000i64).map(|k| {
-        let c = |i: i64| DVec3::new(0.6 * maps::noise(1, k, i) - 0.3, 0.6 * maps::noise(2, k, i) - 0.3, 1.0);
-        [c(0), c(1), c(2), c(3)]
-    }).collect();
-    let t = |name: &str, f: &mut dyn FnMut() -> f64| { let (r, ns) = timed(1000, || f()); println!("{name}: {ns:.1} ns {r}"); };
-    t("fan", &mut || corners.iter().map(|c| fan(c, &[1.0; 5], 1.0, 50.0)).sum());
-    t("share4", &mut || corners.iter().map(|c| c.iter().map(|p| share(*p, 50.0)).sum::<f64>()).sum());
-    t("lobe4", &mut || corners.iter().map(|c| c.iter().map(|p| lobe(*p, 50.0)).sum::<f64>()).sum());
-    t("range", &mut || corners.iter().map(|c| { let r = crate::glint::texels::ways::Range::new(c, 50.0); r.near + r.extent }).sum());
-    t("atan2x8", &mut || corners.iter().map(|c| c.iter().map(|p| p.x.atan2(p.y)+p.y.atan2(p.x)).sum::<f64>()).sum());
-    let map = maps::spikes(128, 0.3);
-    let g = glints(&map, 0.02);
-    let fp = g.footprint(DVec2::new(0.37, 0.58), jacobian((64.0, 64.0), 0.4, (128, 128))).unwrap();
-    let q = Query::new(&g.slopes, &g.pyramid, &fp, half_vector(DVec2::new(0.1, 0.05)), Tails::Kept).unwrap();
-    t("cell+seen", &mut || (0..1000usize).map(|k| { let p = g.slopes.cell(k % 128, k / 128 * 13).map(|s| q.seen(s.as_dvec2())); p[0].x + p[1].y + p[2].z + p[3].x }).sum());
-    t("misses", &mut || (0..1000usize).map(|k| fp.misses(DVec2::new(k as f64 * 0.1, 20.0), DVec2::splat(0.5)) as u8 as f64).sum());
-    t("nodes", &mut || (0..1000usize).map(|k| Footprint::nodes(DVec2::new(k as f64 * 0.1, 20.0), DVec2::splat(0.5)).iter().map(|x| fp.at(*x)).sum::<f64>()).sum());
 }
