@@ -32,6 +32,7 @@ mod element;
 mod error;
 mod errors;
 mod footprint;
+mod levels;
 mod pieces;
 mod pyramid;
 mod query;
@@ -44,6 +45,7 @@ mod ways;
 
 pub use error::InvalidTexels;
 pub use footprint::{Footprint, TexelWidth};
+pub use levels::LEVEL_CHANNELS;
 pub use pyramid::{BLOCK_CHANNELS, Block, Level, Pyramid};
 pub use slopes::{AlphaSource, SLOPE_CHANNELS, STEEPEST, SlopeMap};
 pub use transition::Transition;

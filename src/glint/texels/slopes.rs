@@ -1,7 +1,7 @@
 //! Slopes and widths of the texels.
 
 use glam::{DVec2, Vec2};
-use ndarray::{Array2, Array3};
+use ndarray::{Array2, Array3, ArrayView3};
 
 use super::InvalidTexels;
 use crate::roughness::Alpha;
@@ -63,6 +63,20 @@ impl SlopeMap {
         };
         let at = |(y, x)| slope(normals[[y, x, 0]], normals[[y, x, 1]], normals[[y, x, 2]]);
         Ok(Self { slope: Array2::from_shape_fn((rows, columns), at), alpha })
+    }
+
+    /// From [`SlopeMap::planes`].
+    pub(super) fn from_planes(planes: ArrayView3<f32>) -> Self {
+        let (_, rows, columns) = planes.dim();
+        let alpha = Array2::from_shape_fn((rows, columns), |(y, x)| width(planes[[2, y, x]]));
+        let first = alpha[[0, 0]];
+        let alpha = if alpha.iter().all(|a| *a == first) { Widths::Same(first) } else { Widths::Each(alpha) };
+        let at = |(y, x)| {
+            let s = Vec2::new(planes[[0, y, x]], planes[[1, y, x]]);
+            // Those that were cut are a rounding longer.
+            if s.length() > 1.001 * STEEPEST { s.clamp_length_max(STEEPEST) } else { s }
+        };
+        Self { slope: Array2::from_shape_fn((rows, columns), at), alpha }
     }
 
     /// Columns and rows.
