@@ -18,7 +18,7 @@ pub(super) const SPREAD: f64 = 4.5e-3;
 /// Tolerance of the first look, over a rough guess of the sum.
 const FIRST: f64 = 0.02;
 /// Width of the pixel, in texels, below which every texel is looked into.
-const EXACT: f64 = 4.0;
+const EXACT: f64 = 5.0;
 /// Looks after the first.
 const LOOKS: usize = 4;
 

@@ -56,7 +56,7 @@ impl Query<'_> {
             let straight = self.straight(piece, mean, &range);
             return if straight { self.triangles(piece, mean) } else { self.divided(piece, depth, (of, weight)) };
         }
-        let kernel = 4.0 * half * half * self.footprint.at(piece.centre);
+        let kernel = 4.0 * half * half * self.footprint.around(piece.centre, DVec2::splat(*half));
         if range.near > 4.0 && range.extent > 4.0 * range.near {
             let error = kernel * errors::beside(&range, mean);
             let some = |_: &mut Self| 0.5 * error;

@@ -128,15 +128,18 @@ impl<'a> Query<'a> {
         if ways.moments && even && side <= ways.kernel_block && range.within(self.cut) {
             let few = range.few(ways.far, [ways.extent_block, ways.extent_block_far]);
             let (widest, cells, Chance { tau, guess, .. }) = (f64::from(alpha[1]), (x1 - x0) * (y1 - y0), self.chance);
+            let around = self.footprint.around(centre, half) * cells as f64;
             // Not where even a dim estimate would be looked into.
-            let dim = || errors::block(0.1 * guess, &range, widest, cells) * self.footprint.at(centre) * cells as f64;
+            let dim = || errors::block(0.1 * guess, &range, widest, cells) * around;
             if few || (tau > 0.0 && weight * dim() < tau) {
                 let (kernel, mean) = self.moments(block, centre, half);
                 if few || kernel == 0.0 {
                     return kernel * mean;
                 }
                 let mean = mean.min(errors::highest(&range, widest));
-                let error = kernel * errors::block(mean, &range, widest, cells);
+                // Four points miss some of a kernel that bends, most where it ends.
+                let bent = 0.1 * (kernel - self.footprint.at(centre) * cells as f64).abs();
+                let error = kernel.max(around) * errors::block(mean, &range, widest, cells) + bent * mean;
                 let key = key(cell_key(first), level as u64);
                 return self.settle(error, (key, weight), |_| kernel * mean, below);
             }

@@ -8,6 +8,7 @@ mod hostile;
 mod maps;
 mod pruning;
 mod spread;
+mod work;
 
 use glam::{DMat2, DVec2, DVec3};
 
