@@ -46,7 +46,8 @@ pub fn read_texels(path: &Path) -> Result<TexelGlints> {
             Array3::from_shape_fn((from.len(), height, width), |(c, y, x)| raster.at(x, y, from[c]))
         })
         .collect();
-    TexelGlints::from_levels(&levels).map_err(|error| Error::invalid(path, error.to_string(), "slopes and their ranges"))
+    TexelGlints::from_levels(&levels)
+        .map_err(|error| Error::invalid(path, error.to_string(), "slopes and their ranges"))
 }
 
 #[cfg(test)]

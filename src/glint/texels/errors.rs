@@ -17,7 +17,8 @@ pub(super) fn highest(range: &Range, alpha: f64) -> f64 {
 pub(super) fn block(mean: f64, range: &Range, alpha: f64, cells: usize) -> f64 {
     let (highest, wide) = (highest(range, alpha), range.extent / range.near);
     let root = (cells as f64).sqrt();
-    let spiky = if range.near > 4.0 { 0.5 } else { 0.2 } * (highest * mean / root * (32.0 / wide.sqrt()).min(1.0)).sqrt();
+    let spiky =
+        if range.near > 4.0 { 0.5 } else { 0.2 } * (highest * mean / root * (32.0 / wide.sqrt()).min(1.0)).sqrt();
     spiky.min(0.0025 * highest * wide * root)
 }
 
@@ -32,7 +33,8 @@ pub(super) fn beside(range: &Range, alpha: f64) -> f64 {
 #[inline]
 pub(super) fn points(range: &Range, alpha: f64) -> f64 {
     let wide = range.extent / range.near;
-    highest(range, alpha) * (6e-4 * wide * wide).min(0.008 + 0.04 * (16.0 / wide.sqrt()).min(1.0) / (range.near * range.near))
+    highest(range, alpha)
+        * (6e-4 * wide * wide).min(0.008 + 0.04 * (16.0 / wide.sqrt()).min(1.0) / (range.near * range.near))
 }
 
 /// The mean over a piece by triangles that are off it by `twist` widths of the lobe, the squares of its normals' lengths

@@ -1,6 +1,6 @@
 //! All that queries need as planes, level by level, and back.
 
-use ndarray::{Array3, Axis, concatenate, s};
+use ndarray::{Array3, Axis, Slice, concatenate};
 
 use super::pyramid::{BLOCK_CHANNELS, Level, Pyramid};
 use super::slopes::{SLOPE_CHANNELS, SlopeMap};
@@ -57,7 +57,7 @@ impl TexelGlints {
                 return Err(InvalidTexels::NotFinite(k));
             }
             if k > 0 {
-                blocks.push(Level::from_planes(planes.slice(s![SLOPE_CHANNELS.len().., .., ..])));
+                blocks.push(Level::from_planes(planes.slice_axis(Axis(0), Slice::from(SLOPE_CHANNELS.len()..))));
             }
             (rows, columns) = (rows.div_ceil(2), columns.div_ceil(2));
         }
@@ -67,7 +67,7 @@ impl TexelGlints {
         if levels.len() < count {
             return Err(InvalidTexels::LevelCount(levels.len(), count));
         }
-        let slopes = SlopeMap::from_planes(levels[0].slice(s![..SLOPE_CHANNELS.len(), .., ..]));
+        let slopes = SlopeMap::from_planes(levels[0].slice_axis(Axis(0), Slice::from(..SLOPE_CHANNELS.len())));
         let pyramid = if blocks.is_empty() { Pyramid::new(&slopes) } else { Pyramid::from_levels(blocks) };
         Ok(Self { slopes, pyramid, tails: Tails::default() })
     }

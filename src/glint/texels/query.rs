@@ -3,7 +3,7 @@
 use glam::{DVec2, DVec3, Vec2};
 
 use super::chance::{Chance, key};
-use super::element::{stretched_lobe};
+use super::element::stretched_lobe;
 use super::errors;
 use super::ways::{Range, Tails, Visits, Ways};
 use super::{Block, Footprint, Pyramid, SlopeMap};

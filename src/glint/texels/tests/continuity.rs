@@ -103,10 +103,10 @@ fn no_step_of_a_zoom_is_larger_than_the_map_makes_it() {
     {
         let glints = glints(&map, alpha);
         let far = folded(&glints, f64::from(alpha));
-        let all: Vec<_> = tries(8).collect();
+        let all: Vec<_> = tries(4).collect();
         let (mut most, mut last) = ([0.0f64; 2], Vec::<[f64; 2]>::new());
-        for step in 0..=4 * 64 {
-            let width = 2.0 * 2f64.powf(f64::from(step) / 64.0);
+        for step in 0..=3 * 64 {
+            let width = 2.5 * 2f64.powf(f64::from(step) / 64.0);
             let j = jacobian((width, width), 0.3, (64, 64));
             let now: Vec<[f64; 2]> = all
                 .iter()
