@@ -8,7 +8,7 @@
 //! the exact sum.
 //!
 //! The dice are hashes of the parts alone: from one half vector or frame to the next the same parts are looked into, but
-//! for those whose p crosses their die, and these change the sum by tau.
+//! for those whose p crosses their die, and these change the sum by about tau.
 
 use super::query::Query;
 use super::ways::Visits;
@@ -80,8 +80,8 @@ impl Query<'_> {
         (sum, self.visits)
     }
 
-    /// The sum of a part for which `estimate` stands, off by about `error`, where it is asked for; `weight` is 1 over the probability that
-    /// led here.
+    /// The sum of a part for which `estimate` stands, off by about `error`; `weight` is 1 over the probability that led
+    /// here.
     #[inline]
     pub(super) fn settle(
         &mut self,
@@ -92,7 +92,8 @@ impl Query<'_> {
     ) -> f64 {
         let Chance { tau, .. } = self.chance;
         let expected = weight * error;
-        if !(expected < tau) {
+        // Not a number neither.
+        if expected.is_nan() || expected >= tau {
             return exact(self, weight);
         }
         let p = expected / tau;
