@@ -71,6 +71,24 @@ pub type Fill<'a> = &'a (dyn Fn(usize, usize, usize, usize, &mut [f32]) + Sync);
 /// Whatever `out` returns; [`io::ErrorKind::InvalidInput`] for no channels, names that are empty, equal, longer than 255
 /// or not Latin-1, or sides beyond 2^31.
 pub fn write_exr(out: impl Write + Seek, channels: &[Channel], size: Size, fill: Fill) -> io::Result<()> {
+    write_rounded(out, channels, (size, RoundingMode::Down), fill)
+}
+
+/// The same with the sizes of levels rounded up (EXR's ROUND_UP): a texel of a level covers all of two by two texels below
+/// it, and none is left out. For ranges.
+///
+/// # Errors
+/// As [`write_exr`].
+pub fn write_exr_covering(out: impl Write + Seek, channels: &[Channel], size: Size, fill: Fill) -> io::Result<()> {
+    write_rounded(out, channels, (size, RoundingMode::Up), fill)
+}
+
+fn write_rounded(
+    out: impl Write + Seek,
+    channels: &[Channel],
+    size: (Size, RoundingMode),
+    fill: Fill,
+) -> io::Result<()> {
     write_tiles(&mut BufWriter::with_capacity(1 << 18, out), channels, size, fill).map_err(|error| match error {
         ::exr::error::Error::Io(error) => error,
         other => io::Error::new(io::ErrorKind::InvalidInput, other.to_string()),
@@ -80,7 +98,12 @@ pub fn write_exr(out: impl Write + Seek, channels: &[Channel], size: Size, fill:
 trait Sink: Write + Seek {}
 impl<T: Write + Seek> Sink for T {}
 
-fn write_tiles(out: &mut dyn Sink, channels: &[Channel], size: Size, fill: Fill) -> ::exr::error::UnitResult {
+fn write_tiles(
+    out: &mut dyn Sink,
+    channels: &[Channel],
+    (size, rounding_mode): (Size, RoundingMode),
+    fill: Fill,
+) -> ::exr::error::UnitResult {
     // EXR wants channels by name: `order` leads from the file's channel to the caller's.
     let mut order: Vec<usize> = (0..channels.len()).collect();
     order.sort_by_key(|&c| &channels[c].name);
@@ -89,8 +112,10 @@ fn write_tiles(out: &mut dyn Sink, channels: &[Channel], size: Size, fill: Fill)
     let mip_mapped = TileDescription {
         tile_size: Vec2(TILE, TILE),
         level_mode: LevelMode::MipMap,
-        rounding_mode: RoundingMode::Down,
+        rounding_mode,
     };
+    let sizes: Vec<Vec2<usize>> =
+        mip_map_levels(rounding_mode, Vec2(size.width, size.height)).map(|(_, level)| level).collect();
     let mut header = Header::new(Text::default(), Vec2(size.width, size.height), list)
         .with_encoding(COMPRESSION, BlockDescription::Tiles(mip_mapped), LineOrder::Increasing)
         .with_attributes(LayerAttributes::default());
@@ -99,8 +124,8 @@ fn write_tiles(out: &mut dyn Sink, channels: &[Channel], size: Size, fill: Fill)
 
     let tile = |location: TileCoordinates| {
         let Vec2(x, top) = location.tile_index * Vec2(TILE, TILE);
-        let level = size.level(location.level_index.x());
-        let (width, height) = (TILE.min(level.width - x), TILE.min(level.height - top));
+        let Vec2(columns, rows) = sizes[location.level_index.x()];
+        let (width, height) = (TILE.min(columns - x), TILE.min(rows - top));
         let mut data = Vec::with_capacity(width * height * 4 * channels.len());
         let mut row = vec![0.0; width];
         let mut halves = vec![f16::ZERO; width];

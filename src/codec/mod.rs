@@ -30,7 +30,7 @@ mod tiff;
 mod tests;
 
 pub use apng::write_apng;
-pub use exr::{Channel, Depth, read_exr_levels, write_exr};
+pub use exr::{Channel, Depth, read_exr_levels, write_exr, write_exr_covering};
 pub use png::write_png;
 
 /// The most texels that a picture may have: 32768 x 32768.

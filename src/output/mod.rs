@@ -6,6 +6,7 @@ mod extra;
 mod manifest;
 mod plan;
 mod stage;
+mod texels;
 mod vertices;
 mod write;
 
@@ -15,5 +16,6 @@ pub use manifest::{Input, Manifest, OutputMap};
 pub use plan::{Content, Format, Output, Plan, Request, safe_name};
 use stage::stale;
 pub use stage::{Stage, may_build, may_write};
+pub use texels::{read_texels, write_texels};
 pub use vertices::{vertices_name, write_vertices};
 pub use write::write;

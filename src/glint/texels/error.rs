@@ -9,6 +9,13 @@ pub enum InvalidTexels {
     Shape(usize, usize, usize),
     /// The widths are of another size than the normals: (rows, columns) of the widths and of the normals.
     AlphaSize((usize, usize), (usize, usize)),
+    /// A level is of another shape than the map's size makes it: its number, its channels, rows and columns, and those it
+    /// should have.
+    LevelShape(usize, [usize; 3], [usize; 3]),
+    /// The coarsest level is missing: levels, and those there should be.
+    LevelCount(usize, usize),
+    /// A level holds what is no finite number.
+    NotFinite(usize),
 }
 
 impl fmt::Display for InvalidTexels {
@@ -20,6 +27,11 @@ impl fmt::Display for InvalidTexels {
             Self::AlphaSize((r, c), (rows, columns)) => {
                 write!(f, "widths of {r} rows and {c} columns do not fit normals of {rows} rows and {columns} columns")
             }
+            Self::LevelShape(k, [a, b, c], [channels, rows, columns]) => {
+                write!(f, "level {k} is {a} channels of {b} x {c}, not {channels} of {rows} x {columns}")
+            }
+            Self::LevelCount(levels, count) => write!(f, "{levels} levels where the size makes {count}"),
+            Self::NotFinite(k) => write!(f, "level {k} holds a value that is not finite"),
         }
     }
 }

@@ -89,6 +89,12 @@ impl Footprint {
         self.peak * rest * rest
     }
 
+    /// The kernel that errors over a rectangle go with: where it lies across the edge, of its nearest part too.
+    #[inline]
+    pub(super) fn around(&self, centre: DVec2, half: DVec2) -> f64 {
+        self.at(centre).max(0.4 * self.at(self.centre.clamp(centre - half, centre + half)))
+    }
+
     /// Whether a rectangle given by its centre and half its sides lies outside for certain.
     #[inline]
     pub(super) fn misses(&self, centre: DVec2, half: DVec2) -> bool {

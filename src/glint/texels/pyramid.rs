@@ -1,7 +1,7 @@
 //! Ranges and moments of slopes, block by block.
 
 use glam::{DVec2, Vec2};
-use ndarray::Array3;
+use ndarray::{Array3, ArrayView3};
 
 use super::SlopeMap;
 
@@ -101,6 +101,11 @@ impl Pyramid {
         Self { levels }
     }
 
+    /// From level 1 on, as they were.
+    pub(super) fn from_levels(levels: Vec<Level>) -> Self {
+        Self { levels }
+    }
+
     /// Level 0: a block for each cell.
     pub fn cells(map: &SlopeMap) -> Level {
         let (columns, rows) = map.size();
@@ -130,6 +135,19 @@ impl Level {
     /// Columns and rows of blocks.
     pub fn size(&self) -> (usize, usize) {
         (self.columns, self.blocks.len() / self.columns)
+    }
+
+    /// From [`Level::planes`].
+    pub(super) fn from_planes(planes: ArrayView3<f32>) -> Self {
+        let (_, rows, columns) = planes.dim();
+        let block = |(y, x)| {
+            let p = |c: usize| planes[[c, y, x]];
+            let pair = |c: usize| Vec2::new(p(c), p(c + 1));
+            let (min, max, mean) = (pair(0), pair(2), pair(4));
+            Block { min, max, mean, cov: [p(6), p(7), p(8)], alpha: [p(9), p(10)] }
+        };
+        let blocks = (0..rows).flat_map(|y| (0..columns).map(move |x| (y, x))).map(block).collect();
+        Self { columns, blocks }
     }
 
     /// The blocks, by row.

@@ -1,7 +1,7 @@
 //! Slopes and widths of the texels.
 
 use glam::{DVec2, Vec2};
-use ndarray::{Array2, Array3};
+use ndarray::{Array2, Array3, ArrayView3};
 
 use super::InvalidTexels;
 use crate::roughness::Alpha;
@@ -65,6 +65,20 @@ impl SlopeMap {
         Ok(Self { slope: Array2::from_shape_fn((rows, columns), at), alpha })
     }
 
+    /// From [`SlopeMap::planes`].
+    pub(super) fn from_planes(planes: ArrayView3<f32>) -> Self {
+        let (_, rows, columns) = planes.dim();
+        let alpha = Array2::from_shape_fn((rows, columns), |(y, x)| width(planes[[2, y, x]]));
+        let first = alpha[[0, 0]];
+        let alpha = if alpha.iter().all(|a| *a == first) { Widths::Same(first) } else { Widths::Each(alpha) };
+        let at = |(y, x)| {
+            let s = Vec2::new(planes[[0, y, x]], planes[[1, y, x]]);
+            // Those that were cut are a rounding longer.
+            if s.length() > 1.001 * STEEPEST { s.clamp_length_max(STEEPEST) } else { s }
+        };
+        Self { slope: Array2::from_shape_fn((rows, columns), at), alpha }
+    }
+
     /// Columns and rows.
     pub fn size(&self) -> (usize, usize) {
         let (rows, columns) = self.slope.dim();
@@ -82,7 +96,11 @@ impl SlopeMap {
     /// Slopes at the corners of a cell.
     #[inline]
     pub(super) fn cell(&self, x: usize, y: usize) -> [Vec2; 4] {
-        self.corners(x, y).map(|at| self.slope[at])
+        let (columns, rows) = self.size();
+        let texels = self.slope.as_slice().expect("standard layout");
+        let (above, below) = (&texels[y * columns..], &texels[if y + 1 == rows { 0 } else { (y + 1) * columns }..]);
+        let right = if x + 1 == columns { 0 } else { x + 1 };
+        [above[x], above[right], below[x], below[right]]
     }
 
     /// Widths at the corners of a cell.

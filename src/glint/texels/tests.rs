@@ -7,10 +7,13 @@ mod cost;
 mod hostile;
 mod maps;
 mod pruning;
+mod spread;
+mod work;
 
 use glam::{DMat2, DVec2, DVec3};
 
-use super::query::{Query, Ways};
+use super::query::Query;
+use super::ways::Ways;
 use super::{AlphaSource, Footprint, TexelGlints, Visits};
 use crate::roughness::Alpha;
 
@@ -29,12 +32,12 @@ fn glints(normals: &ndarray::Array3<f32>, alpha: f32) -> TexelGlints {
     TexelGlints::new(normals, AlphaSource::Constant(Alpha(alpha))).unwrap()
 }
 
-/// D by another way than the usual.
+/// The exact D by other ways than the usual.
 fn ask(glints: &TexelGlints, footprint: &Footprint, h: DVec3, ways: Ways) -> (f64, Visits) {
     match Query::new(&glints.slopes, &glints.pyramid, footprint, h, glints.tails) {
         Some(mut query) => {
             query.ways = ways;
-            query.evaluate()
+            (query.sum(), query.visits)
         }
         None => Default::default(),
     }

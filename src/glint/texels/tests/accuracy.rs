@@ -73,7 +73,7 @@ fn agrees_with_brute_force() {
                 "{name:9} alpha {alpha:5} {width:?}: L1 {:.1e} worst {:.1e} relative {:.1e}",
                 c.l1, c.worst, c.relative
             );
-            assert!(c.l1 < 0.01 && c.worst < 0.01 && c.relative < 0.2, "{name} {alpha} {width:?}");
+            assert!(c.l1 < 0.01 && c.worst < 0.01 && c.relative < 0.3, "{name} {alpha} {width:?}");
         }
     }
 }

@@ -94,6 +94,42 @@ fn a_zoom_through_the_transition_is_continuous() {
     assert_eq!(at(16.0), exact);
 }
 
+/// Largest change of D over a zoom by an octave's 64th, in the larger of D and the mean D: of the exact sums and of those
+/// by estimates, with the folded lobe coming in. What estimates add is within a few of their spreads.
+#[test]
+fn no_step_of_a_zoom_is_larger_than_the_map_makes_it() {
+    let transition = Transition { from: TexelWidth(4.0), to: TexelWidth(16.0) };
+    for (name, map, alpha) in [("spikes", maps::spikes(64, 0.3), 0.05f32), ("scratches", maps::scratches(64, 0.3), 0.1)]
+    {
+        let glints = glints(&map, alpha);
+        let far = folded(&glints, f64::from(alpha));
+        let all: Vec<_> = tries(4).collect();
+        let (mut most, mut last) = ([0.0f64; 2], Vec::<[f64; 2]>::new());
+        for step in 0..=3 * 64 {
+            let width = 2.5 * 2f64.powf(f64::from(step) / 64.0);
+            let j = jacobian((width, width), 0.3, (64, 64));
+            let now: Vec<[f64; 2]> = all
+                .iter()
+                .map(|(uv, h)| {
+                    let footprint = glints.footprint(*uv, j).unwrap();
+                    let share = transition.folded_share(footprint.width());
+                    let exact = if share < 1.0 { ask(&glints, &footprint, *h, Ways::BEST).0 } else { 0.0 };
+                    [(1.0 - share) * exact + share * far(*h), glints.blended((*uv, j), *h, transition, &far)]
+                })
+                .collect();
+            let mean = now.iter().map(|d| d[0]).sum::<f64>() / now.len() as f64;
+            for (now, last) in now.iter().zip(&last) {
+                for k in 0..2 {
+                    most[k] = most[k].max((now[k] - last[k]).abs() / now[k].max(mean));
+                }
+            }
+            last = now;
+        }
+        println!("{name}: largest change over 2^(1/64): exact {:.4}, by estimates {:.4}", most[0], most[1]);
+        assert!(most[1] < most[0] + 0.02, "{name} {most:?}");
+    }
+}
+
 #[test]
 fn shares_run_from_nothing_to_all() {
     let t = Transition::default();

@@ -58,6 +58,49 @@ fn gaussians(glints: &TexelGlints, footprint: &Footprint, h: DVec3, alpha: f64) 
     sum / h.z.powi(4)
 }
 
+/// Ways to sum against the exact sum: errors and costs.
+#[test]
+#[ignore = "a table of costs, a minute alone on a machine"]
+fn chances_compared() {
+    for (name, map, reach) in [
+        ("bumps", maps::bumps(128, 0.2), 0.3),
+        ("spikes", maps::spikes(128, 0.3), 0.3),
+        ("scratches", maps::scratches(128, 0.3), 0.3),
+        ("steep", maps::spikes(128, 1.5), 1.5),
+    ] {
+        for alpha in [0.005f32, 0.02, 0.1, 0.3] {
+            for width in [16.0, 64.0] {
+                let glints = glints(&map, alpha);
+                let j = jacobian((width, width), 0.4, (128, 128));
+                let footprint = glints.footprint(DVec2::new(0.37, 0.58), j).unwrap();
+                let half: Vec<DVec3> = (0..6)
+                    .map(|k| half_vector(reach * (2.0 * DVec2::new(maps::noise(3, k, 0), maps::noise(4, k, 0)) - 1.0)))
+                    .collect();
+                let n = half.len();
+                let query =
+                    |h: &DVec3| Query::new(&glints.slopes, &glints.pyramid, &footprint, *h, Tails::Kept).unwrap();
+                let (truth, full) = timed(n, || half.iter().map(|h| query(h).sum()).collect::<Vec<_>>());
+                let (all, ns) = timed(n, || half.iter().map(|h| query(h).evaluate()).collect::<Vec<_>>());
+                let (d, visits): (Vec<f64>, Vec<Visits>) = all.into_iter().unzip();
+                let mean = |of: fn(&Visits) -> usize| visits.iter().map(of).sum::<usize>() / n;
+                let off = d.iter().zip(&truth).map(|(d, t)| (d - t).abs()).sum::<f64>() / truth.iter().sum::<f64>();
+                let rel = (d.iter().zip(&truth).map(|(d, t)| (d / t - 1.0).powi(2)).sum::<f64>() / n as f64).sqrt();
+                let most = d.iter().zip(&truth).map(|(d, t)| (d / t - 1.0).abs()).fold(0.0, f64::max);
+                println!(
+                    "{name:9} {alpha:5} {width:4} L1 {off:.1e} rms {rel:.1e} most {most:.1e} {:6.0} us from {:6.0}: {} blocks, \
+                     {} texels, {} closed, {} points",
+                    ns * 1e-3,
+                    full * 1e-3,
+                    mean(|v| v.nodes),
+                    mean(|v| v.texels),
+                    mean(|v| v.closed),
+                    mean(|v| v.points)
+                );
+            }
+        }
+    }
+}
+
 #[test]
 #[ignore = "a table of costs, a minute alone on a machine"]
 fn ways_compared() {
