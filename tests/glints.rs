@@ -1,10 +1,10 @@
 //! The library's glints beside published methods, at the same queries.
 //!
 //! `cargo test --test glints -- --nocapture` prints the tables, `-- --ignored --nocapture` those of larger samples.
-//! The field leads all three in variance, and in the worst change by a small movement, in every case and by far. In the mean
-//! it is right, but so are Zirr & Kaplanyan's counts, and those of the library after them. It does not lead where only a pan
-//! is asked for, which the blended cells of two of the methods answer as smoothly; in lights next to each other, which are
-//! slightly opposed (-0.02) and no nearer to independent than those of Kemppinen et al.; and in cost, for many flakes
+//! Both of ours lead all three in variance, and in the worst change by a small movement, in every case. In the mean they are
+//! right, but so are Zirr & Kaplanyan's counts. They do not lead where only a pan is asked for, which the blended cells of two
+//! of the methods answer as smoothly; in lights next to each other, which the field slightly opposes (-0.02), no nearer to
+//! independent than those of Kemppinen et al.; and the field not in cost, for many flakes
 //! (`cargo bench --bench glint_published`).
 #![allow(clippy::print_stdout, reason = "tables of figures")]
 
@@ -114,20 +114,19 @@ fn compare(count: u32) {
         assert!(row.most(Figures::variance_off) > 0.33, "{}: {}", row.name, row.most(Figures::variance_off));
     }
 
-    // Movement: in every case the field's worst is well below that of each of the others; the counts' is below only over
-    // all cases, in the largest change: few flakes are bright, and as they are not blended away they change by more.
-    for (n, (case, ours)) in field.cases.iter().enumerate() {
-        for row in [zirr, deliot, kemppinen, binomial] {
-            let (ours, theirs) = (ours.worst(), row.cases[n].1.worst());
-            let told = format!("{case:?}: field {ours:?}, {} {theirs:?}", row.name);
-            let margin = if row.name == binomial.name { 1.2 } else { 2.5 };
-            assert!(margin * ours.rare < theirs.rare && margin * ours.most < theirs.most, "{told}");
+    // Movement: in every case the worst of both of ours is well below that of each of the others.
+    for (ours, margin) in [(field, 2.5), (binomial, 1.7)] {
+        for (n, (case, own)) in ours.cases.iter().enumerate() {
+            for row in published {
+                let (own, theirs) = (own.worst(), row.cases[n].1.worst());
+                let told = format!("{case:?}: {} {own:?}, {} {theirs:?}", ours.name, row.name);
+                assert!(margin * own.rare < theirs.rare && margin * own.most < theirs.most, "{told}");
+            }
         }
-    }
-    assert!(field.most(|f| f.worst().most) < 0.25);
-    for row in published {
-        assert!(row.most(|f| f.worst().most) > 1.5 * binomial.most(|f| f.worst().most), "{}", row.name);
-        assert!(row.most(|f| f.worst().rare) > 10.0 * field.most(|f| f.worst().rare), "{}", row.name);
+        assert!(ours.most(|f| f.worst().most) < 0.25, "{}", ours.name);
+        for row in published {
+            assert!(row.most(|f| f.worst().rare) > 10.0 * ours.most(|f| f.worst().rare), "{}", row.name);
+        }
     }
     // Not where pans alone are asked for: blended cells pan as smoothly as flakes of the field fade.
     for row in [zirr, deliot] {

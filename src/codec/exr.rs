@@ -109,11 +109,7 @@ fn write_tiles(
     order.sort_by_key(|&c| &channels[c].name);
     let list = order.iter().map(|&c| description(&channels[c])).collect::<::exr::error::Result<_>>()?;
 
-    let mip_mapped = TileDescription {
-        tile_size: Vec2(TILE, TILE),
-        level_mode: LevelMode::MipMap,
-        rounding_mode,
-    };
+    let mip_mapped = TileDescription { tile_size: Vec2(TILE, TILE), level_mode: LevelMode::MipMap, rounding_mode };
     let sizes: Vec<Vec2<usize>> =
         mip_map_levels(rounding_mode, Vec2(size.width, size.height)).map(|(_, level)| level).collect();
     let mut header = Header::new(Text::default(), Vec2(size.width, size.height), list)
