@@ -27,9 +27,11 @@
 //!
 //! Under a pixel of 5 texels or more most parts of the map are summed by estimates, and of those that may be off some are
 //! looked into by dice fixed to the map (`texels/chance.rs`): the expected D is that of the exact sum, and its standard
-//! deviation 0.0045 of D as far as the estimates' errors are known. Measured over 24 map and width pairs it is 0.001 to
-//! 0.007, most where a rough lobe (alpha 0.3) lies over slopes of 1. The work is then about (blocks of the pyramid, cells
-//! read, closed forms of four triangles, sums of four points, all looks of a query together):
+//! deviation 0.0045 of D as far as the estimates' errors are known. Measured against the exact sum (32 cases: bumps, white
+//! noise, scratches, and noise of slopes up to 1.5; alpha 0.005 to 0.3; 16 and 64 texels; 6 half vectors each), the L1
+//! difference is below 0.005 in 26, and up to 0.015 in the others, which are lobes of alpha 0.1 and more on steep or
+//! repeated noise and on scratches. The work is then about (blocks of the pyramid, cells read, closed forms of four
+//! triangles, sums of four points, all looks of a query together):
 //!
 //! | map, alpha | 4 texels | 16 texels | 64 texels |
 //! |---|---|---|---|
