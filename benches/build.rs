@@ -51,6 +51,7 @@ fn build(criterion: &mut Criterion) {
             depth: Depth::Half,
             moments: false,
             extras: Vec::new(),
+            pictures: Vec::new(),
             force: true,
         };
         b.iter(|| {

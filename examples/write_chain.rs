@@ -30,6 +30,7 @@ fn main() -> mipfold::Result<()> {
         depth: Depth::Half,
         moments: false,
         extras: Vec::new(),
+        pictures: Vec::new(),
         force: false,
     };
     // The plan names every file before anything is folded; `write` makes all of them or none.

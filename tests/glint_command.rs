@@ -46,8 +46,8 @@ fn mips_of_flake_maps_count_flakes() {
     masked(&desk);
     glint(
         &desk,
-        "--normal @n.png --roughness 0.3 --flake-mask @mask.png --flake-density @density.png:g --flakes 5000 \
-         --streak 12 --streak-angle 30 --seed 9 --no-pictures --format png,exr --float -o @out",
+        "--normal @n.png --roughness 0.3 --flake-mask @mask.png --flake-density @density.png:g --flakes 123456789 \
+         --streak 12 --streak-angle 30 --seed 9 --size-variation 0.3 --no-pictures --format png,exr --float -o @out",
     );
     let out = desk.at("out");
     let (mask, density) = (plane(&read(&desk.at("mask.png")), 0), plane(&read(&desk.at("density.png")), 1));
@@ -67,7 +67,8 @@ fn mips_of_flake_maps_count_flakes() {
     }
     let manifest = manifest(&out);
     let flakes = &manifest["flakes"];
-    assert_eq!((flakes["density"].as_f64(), flakes["seed"].as_u64()), (Some(5000.0), Some(9)));
+    assert_eq!((flakes["density"].as_f64(), flakes["seed"].as_u64()), (Some(123_456_789.0), Some(9)));
+    assert_eq!((flakes["size_variation"].as_f64(), &flakes["files"][0]["channel"]), (Some(0.3), &"g".into()));
     assert_eq!((flakes["streak"].as_f64(), flakes["streak_angle"].as_f64()), (Some(12.0), Some(30.0)));
     assert_eq!(flakes["files"].as_array().unwrap().len(), 2);
     let map = manifest["maps"].as_array().unwrap().iter().find(|map| map["role"] == "flakes").unwrap();
@@ -101,9 +102,12 @@ fn pictures_stand_beside_the_chain() {
     let before = std::fs::read(out.join("glints_zoom.png")).unwrap();
     glint(&desk, "--normal @n.png --roughness 0.3 --pixels 48 --frames 3 --flakes 20000 --threads 1 -o @out");
     assert_eq!(std::fs::read(out.join("glints_zoom.png")).unwrap(), before);
-    std::fs::create_dir(desk.at("mine")).unwrap();
-    desk.file("mine/glints.png", b"mine");
-    refuses(&desk, "--normal @n.png --roughness 0.3 -o @mine", "glints.png");
+    // A picture of earlier flakes does not stay beside a chain of others.
+    glint(&desk, "--normal @n.png --roughness 0.3 --no-pictures -o @out");
+    assert_eq!(names(&out), chain);
+    // One that somebody put beside a chain of ours is not replaced.
+    desk.file("built/glints.png", b"mine");
+    refuses(&desk, "--normal @n.png --roughness 0.3 -o @built", "glints.png");
 }
 
 #[test]
@@ -119,9 +123,12 @@ fn bad_input_is_named_and_nothing_is_written() {
     refuses(&desk, &with("--flake-roughness 0"), "0.01 to 1");
     refuses(&desk, &with("--evaluator smooth"), "field, binomial, reference");
     refuses(&desk, &with("--streak-angle 4"), "--streak");
+    refuses(&desk, &with("--streak 4 --streak-angle nan"), "-360 to 360");
     refuses(&desk, "-o @out", "no maps");
     std::fs::copy(desk.at("mask.png"), desk.at("n_flakes_mip1.png")).unwrap();
     refuses(&desk, "--normal @n.png --roughness 0.3 --flake-mask @n_flakes_mip1.png -o @", "also an input");
+    std::fs::copy(desk.at("mask.png"), desk.at("glints_pan.png")).unwrap();
+    refuses(&desk, "--normal @n.png --roughness 0.3 --flake-mask @glints_pan.png -o @ -f", "also an input");
     // A dry run says what it would write, and does not.
     let before = desk.tree();
     let run = mipfold().arg("glint").args(desk.args(&with("--flake-mask @mask.png --dry-run"))).output().unwrap();

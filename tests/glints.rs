@@ -1,8 +1,8 @@
 //! The library's glints beside published methods, at the same queries.
 //!
 //! `cargo test --test glints -- --nocapture` prints the tables, `-- --ignored --nocapture` those of larger samples.
-//! Both of ours lead all three in variance, and in the worst change by a small movement, in every case. In the mean they are
-//! right, but so are Zirr & Kaplanyan's counts. They do not lead where only a pan is asked for, which the blended cells of two
+//! Both of ours lead all three in variance over the cases, and in the worst change by a small movement in every one. (Of
+//! fewer than 10,001 samples the percentile is the largest.) In the mean they are right, but so are Zirr & Kaplanyan's counts. They do not lead where only a pan is asked for, which the blended cells of two
 //! of the methods answer as smoothly; in lights next to each other, which the field slightly opposes (-0.02), no nearer to
 //! independent than those of Kemppinen et al.; and the field not in cost, for many flakes
 //! (`cargo bench --bench glint_published`).
@@ -123,7 +123,7 @@ fn compare(count: u32) {
                 assert!(margin * own.rare < theirs.rare && margin * own.most < theirs.most, "{told}");
             }
         }
-        assert!(ours.most(|f| f.worst().most) < 0.25, "{}", ours.name);
+        assert!(ours.most(|f| f.worst().most) < 0.3, "{}", ours.name);
         for row in published {
             assert!(row.most(|f| f.worst().rare) > 10.0 * ours.most(|f| f.worst().rare), "{}", row.name);
         }

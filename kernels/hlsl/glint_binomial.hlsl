@@ -12,7 +12,7 @@
 // pixel. Counts are Poisson and change smoothly with their mean and with u, so that rounding moves none.
 //
 // Cells counted in the finer grid, each with a long and 4 short hashes and 4 counts: on average 5, and 15, 57 and 230 for pixels
-// 4, 16 and 64 times as long as wide, at most 390; in the other grid about half of that.
+// 4, 16 and 64 times as long as wide, at most 410; in the other grid about half of that.
 
 // Squared radius in cells that is added to the kernel: no place is without a cell.
 static const float MF_GLINT_REACH2 = 0.58;

@@ -343,7 +343,7 @@ pub fn fold_name(name: &str) -> Result<&'static Fold, String> {
     })
 }
 
-pub fn number(text: &str, ok: impl Fn(f32) -> bool, expected: &str) -> Result<f32, String> {
+fn number(text: &str, ok: impl Fn(f32) -> bool, expected: &str) -> Result<f32, String> {
     let value: f32 = text.parse().map_err(|_| format!("expected {expected}"))?;
     if value.is_finite() && ok(value) { Ok(value) } else { Err(format!("expected {expected}")) }
 }
@@ -361,7 +361,7 @@ fn degrees(text: &str) -> Result<f64, String> {
     number(text, |v| (0.0..=180.0).contains(&v), "an angle from 0 to 180 degrees").map(f64::from)
 }
 
-pub fn positive(text: &str) -> Result<f32, String> {
+fn positive(text: &str) -> Result<f32, String> {
     number(text, |v| v > 0.0, "a number above 0")
 }
 
@@ -373,6 +373,6 @@ fn not_negative(text: &str) -> Result<f32, String> {
     number(text, |v| v >= 0.0, "a number from 0 up")
 }
 
-pub fn unit(text: &str) -> Result<f32, String> {
+fn unit(text: &str) -> Result<f32, String> {
     number(text, |v| (0.0..=1.0).contains(&v), "a number from 0 to 1")
 }

@@ -85,6 +85,7 @@ pub fn run(args: &BakeArgs, global: &Global, report: &mut Report) -> Result<()> 
                 depth: args.containers.depth(),
                 moments: false,
                 extras: vec![Extra::Curvature],
+                pictures: Vec::new(),
                 force: global.force,
             };
             into_texture(args, bake, flagged.as_ref(), &sha256, &options, &request, global.dry_run, report)
@@ -204,7 +205,7 @@ fn into_texture(
     let (mesh, file, uv_set) = (&bake.mesh, &args.mesh, bake.group.uv_set);
     let under = Some(Under { mesh, file, sha256, uv_set, options: baking });
     let form = args.folding.form();
-    let job = Job { inputs: &inputs, read: &read, under, flakes: None, options, form, request };
+    let job = Job { inputs: &inputs, read: &read, under, flakes: None, draw: None, options, form, request };
     job.run(dry_run, &report.progress).map(|done| done.built)
 }
 

@@ -47,10 +47,12 @@ pub fn run(args: &BuildArgs, global: &Global, report: &mut Report) -> Result<()>
                 depth: args.containers.depth(),
                 moments: args.moments,
                 extras: args.extra.clone(),
+                pictures: Vec::new(),
                 force: global.force,
             };
             let (read, form) = (&codec::read, args.folding.form());
-            let job = Job { inputs, read, under: None, flakes: None, options: &options, form, request: &request };
+            let job =
+                Job { inputs, read, under: None, flakes: None, draw: None, options: &options, form, request: &request };
             job.run(global.dry_run, &report.progress).map(|done| done.built)
         })
         .collect();

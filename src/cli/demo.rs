@@ -84,10 +84,12 @@ fn one(sample: &Sample, args: &DemoArgs, options: &Options, global: &Global, rep
         depth: crate::codec::Depth::Half,
         moments: false,
         extras: Vec::new(),
+        pictures: Vec::new(),
         force: global.force,
     };
     let form = args.folding.form();
-    let job = Job { inputs: &inputs, read: &read, under: None, flakes: None, options, form, request: &request };
+    let job =
+        Job { inputs: &inputs, read: &read, under: None, flakes: None, draw: None, options, form, request: &request };
     let Done { material, options, chain: folded, built } = job.run(global.dry_run, &report.progress)?;
     report.built(built);
     if let Some(folded) = folded {

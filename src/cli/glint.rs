@@ -1,32 +1,26 @@
 //! `mipfold glint`.
 
-use std::path::Path;
-
 use super::args::Global;
 use super::compare::levels;
 use super::glint_args::{GlintArgs, PreviewArgs};
 use super::inputs::{folder, read_as, single};
-use super::job::{Done, Job};
+use super::job::Job;
 use super::report::Report;
 use crate::codec::{self, write_apng, write_png};
 use crate::error::{Error, Result};
+use crate::fold::Chain;
 use crate::glint::SolidAngle;
 use crate::image::Raster;
-use crate::material::{Earlier, Extra, Inputs, MaterialFlakes};
+use crate::material::{Extra, Inputs, Material, MaterialFlakes, PICTURES};
 use crate::ndf::{Form, Lobes};
-use crate::output::{Request, Stage, may_write};
+use crate::output::Request;
 use crate::render::{
     Glints, Image, Motion, Pairs, Sampling, Scene, glinting_sequence, grid, render, render_glints, side_by_side,
     tonemap,
 };
 
-/// The pictures.
-const STILL: &str = "glints.png";
-const MOVING: [(&str, Moving); 3] = [
-    ("glints_zoom.png", Moving::Texture(Motion::Zoom)),
-    ("glints_pan.png", Moving::Texture(Motion::Pan)),
-    ("glints_light.png", Moving::Light),
-];
+/// The animations, as [`PICTURES`] has them after the still picture.
+const MOVING: [Moving; 3] = [Moving::Texture(Motion::Zoom), Moving::Texture(Motion::Pan), Moving::Light];
 /// Texels of level 0 along a pixel in the columns of the still picture.
 const DISTANCES: [(f32, &str); 3] =
     [(0.25, "4 pixels a texel"), (2.0, "2 texels a pixel"), (16.0, "16 texels a pixel")];
@@ -56,41 +50,28 @@ pub fn run(args: &GlintArgs, global: &Global, report: &mut Report) -> Result<()>
     if form == Some(Form::Anisotropic) && options.lobes == 1 && !extras.contains(&Extra::Tensor) {
         extras.push(Extra::Tensor);
     }
+    let pictures = if args.preview.no_pictures { Vec::new() } else { PICTURES.map(String::from).to_vec() };
     let request = Request {
         folder: args.output.clone(),
         formats: args.containers.format.clone(),
         depth: args.containers.depth(),
         moments: false,
         extras,
+        pictures,
         force: global.force,
     };
-    if !args.preview.no_pictures {
-        // A folder whose chain is ours is ours.
-        let force = global.force || Earlier::read(&args.output).is_some();
-        may_write(&args.output, MOVING.iter().map(|(name, _)| *name).chain([STILL]), force)?;
-    }
+    let draw = |material: &Material, chain: &Chain| draw(material, chain, &args.preview, report);
     let job = Job {
         inputs: &inputs,
         read: &codec::read,
         under: None,
         flakes: Some(&args.flakes),
+        draw: (!args.preview.no_pictures).then_some(&draw),
         options: &options,
         form,
         request: &request,
     };
-    let Done { material, options, chain, mut built } = job.run(global.dry_run, &report.progress)?;
-    if args.preview.no_pictures {
-        report.built(built);
-        return Ok(());
-    }
-    built.files.extend(MOVING.iter().map(|(name, _)| (*name).to_owned()).chain([STILL.to_owned()]));
-    if let Some(chain) = chain {
-        report.progress.set_message(format!("drawing {}", material.name));
-        let levels = levels(&material, chain, options.form);
-        let flakes = material.flakes.as_ref().expect("a material with flakes");
-        let glints = glints(flakes, &args.preview);
-        draw(&levels, &glints, &args.preview, &args.output, report)?;
-    }
+    let built = job.run(global.dry_run, &report.progress)?.built;
     report.built(built);
     Ok(())
 }
@@ -116,16 +97,21 @@ fn glints(flakes: &MaterialFlakes, preview: &PreviewArgs) -> Glints {
     }
 }
 
-/// Draws all pictures, then writes them.
-fn draw(levels: &[Lobes], glints: &Glints, preview: &PreviewArgs, output: &Path, report: &Report) -> Result<()> {
+/// The files of [`PICTURES`].
+fn draw(material: &Material, chain: &Chain, preview: &PreviewArgs, report: &Report) -> Vec<Vec<u8>> {
+    report.progress.set_message(format!("drawing {}", material.name));
+    let form = chain.levels.first().map_or(Form::Isotropic, |level| level.lobes.form());
+    let levels = &levels(material, chain.clone(), form);
+    let glints = &glints(material.flakes.as_ref().expect("a material with flakes"), preview);
     let (pixels, frames) = (usize::from(preview.pixels), usize::from(preview.frames));
     let portion = report.portion();
     let scenes = [Scene::lamps(), Scene::lamps_panel()];
     let all = (MOVING.len() * scenes.len()) as f64 + 1.0;
-    let still = still(&scenes, levels, glints, pixels);
+    let mut still_png = Vec::new();
+    write_png(&mut still_png, &still(&scenes, levels, glints, pixels)).expect("8-bit colours, in memory");
     portion.show(1.0 / all);
-    let mut animations = Vec::new();
-    for (k, (name, moving)) in MOVING.into_iter().enumerate() {
+    let mut files = vec![still_png];
+    for (k, moving) in MOVING.into_iter().enumerate() {
         let mut panes = Vec::new();
         for (i, scene) in scenes.iter().enumerate() {
             panes.push(sequence(scene, levels, glints, moving, frames, pixels));
@@ -136,14 +122,12 @@ fn draw(levels: &[Lobes], glints: &Glints, preview: &PreviewArgs, output: &Path,
             let shown: Vec<_> = panes.map(|((p, s), name)| (name, tonemap(&p[frame], s.exposure))).collect();
             side_by_side(&shown.iter().map(|(name, raster)| (*name, raster)).collect::<Vec<_>>(), 1)
         };
-        animations.push((name, (0..frames).map(sheet).collect::<Vec<Raster>>()));
+        let mut apng = Vec::new();
+        let sheets: Vec<Raster> = (0..frames).map(sheet).collect();
+        write_apng(&mut apng, &sheets, MILLISECONDS, 0).expect("frames of one size, in memory");
+        files.push(apng);
     }
-    let stage = Stage::new(output)?;
-    for (name, frames) in &animations {
-        stage.write(name, |out| write_apng(out, frames, MILLISECONDS, 0))?;
-    }
-    stage.write(STILL, |out| write_png(out, &still))?;
-    stage.commit(STILL, &[])
+    files
 }
 
 /// Rows: the sphere and the panel. Columns: the smooth material, and its flakes from near to far.

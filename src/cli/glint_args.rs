@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::args::{ContainerArgs, FoldArgs, MapArgs, ReadingArgs, fold_list, number};
+use super::args::{ContainerArgs, FoldArgs, MapArgs, ReadingArgs, fold_list};
 use crate::error::{self, Error};
 use crate::glint::{EVALUATORS, Evaluator, evaluator};
 use crate::image::{Size, Wrap};
@@ -61,12 +61,14 @@ pub struct FlakeArgs {
     #[arg(long, value_name = "RATIO", value_parser = streak)]
     pub streak: Option<f64>,
     /// Direction of scratches, degrees from u towards v
-    #[arg(long, default_value = "0", value_name = "DEGREES", requires = "streak", allow_negative_numbers = true)]
-    pub streak_angle: f32,
-    /// Where flakes are: a map, or a channel of one; white is all flakes, black none, and grays mix (linear)
+    #[arg(long, default_value = "0", value_name = "DEGREES", requires = "streak", allow_negative_numbers = true,
+          value_parser = degrees)]
+    pub streak_angle: f64,
+    /// Where flakes are: a map, or a channel of one (of colours, green); white is all flakes, black none, grays are shares of the
+    /// surface (linear)
     #[arg(long, value_name = "FILE[:r|g|b|a]")]
     pub flake_mask: Option<String>,
-    /// How densely they lie there: white is the number above, black none (linear)
+    /// How densely they lie there, of a map as above: white is --flakes, black a thousandth of it (linear)
     #[arg(long, value_name = "FILE[:r|g|b|a]")]
     pub flake_density: Option<String>,
 }
@@ -93,7 +95,7 @@ pub struct PreviewArgs {
 
 impl FlakeArgs {
     /// The flakes of a material.
-    pub fn load(&self, material: &str, size: Size, wrap: Wrap, read: ReadPicture) -> error::Result<MaterialFlakes> {
+    pub fn load(&self, size: Size, wrap: Wrap, read: ReadPicture) -> error::Result<MaterialFlakes> {
         let about = FlakesAbout {
             density: self.flakes.unwrap_or(FLAKES_A_TEXEL * size.texels() as f64),
             roughness: self.flake_roughness,
@@ -101,19 +103,15 @@ impl FlakeArgs {
             coverage: self.coverage,
             seed: self.seed,
             streak: self.streak,
-            streak_angle: f64::from(self.streak_angle),
+            streak_angle: self.streak_angle,
             files: Vec::new(),
         };
-        if !self.streak_angle.is_finite() {
-            return Err(Error::invalid_option("--streak-angle", self.streak_angle.to_string(), "an angle in degrees"));
-        }
         let flakes = self.places().load(about, size, wrap, read)?;
         if flakes.levels.last().is_some_and(|top| top[(0, 0, 0)] <= 0.0) {
-            return Err(Error::invalid_option(
-                material,
-                "maps of flakes without any flake",
-                "some place that is not black",
-            ));
+            let options = [("--flake-mask", &self.flake_mask), ("--flake-density", &self.flake_density)];
+            let given: Vec<_> = options.iter().filter(|(_, file)| file.is_some()).map(|(option, _)| *option).collect();
+            let found = "maps of flakes without any flake";
+            return Err(Error::invalid_option(given.join(" and "), found, "some place that is not black"));
         }
         Ok(flakes)
     }
@@ -136,26 +134,34 @@ fn evaluator_name(name: &str) -> Result<&'static Evaluator, String> {
     })
 }
 
+fn number(text: &str, ok: impl Fn(f64) -> bool, expected: &str) -> Result<f64, String> {
+    text.parse().ok().filter(|v: &f64| v.is_finite() && ok(*v)).ok_or_else(|| format!("expected {expected}"))
+}
+
 fn many(text: &str) -> Result<f64, String> {
-    number(text, |v| (1.0..=1e12).contains(&v), "a number from 1 to 1e12").map(f64::from)
+    number(text, |v| (1.0..=1e12).contains(&v), "a number from 1 to 1e12")
 }
 
 fn flake_roughness(text: &str) -> Result<f32, String> {
-    number(text, |v| (0.01..=1.0).contains(&v), "a number from 0.01 to 1")
+    number(text, |v| (0.01..=1.0).contains(&v), "a number from 0.01 to 1").map(|v| v as f32)
 }
 
 fn variation(text: &str) -> Result<f64, String> {
-    number(text, |v| (0.0..=3.0).contains(&v), "a number from 0 to 3").map(f64::from)
+    number(text, |v| (0.0..=3.0).contains(&v), "a number from 0 to 3")
 }
 
 fn coverage(text: &str) -> Result<f64, String> {
-    number(text, |v| v > 0.0 && v <= 1.0, "a number above 0, at most 1").map(f64::from)
+    number(text, |v| v > 0.0 && v <= 1.0, "a number above 0, at most 1")
 }
 
 fn streak(text: &str) -> Result<f64, String> {
-    number(text, |v| (1.0..=1000.0).contains(&v), "a number from 1 to 1000").map(f64::from)
+    number(text, |v| (1.0..=1000.0).contains(&v), "a number from 1 to 1000")
+}
+
+fn degrees(text: &str) -> Result<f64, String> {
+    number(text, |v| v.abs() <= 360.0, "an angle from -360 to 360 degrees")
 }
 
 fn lamp(text: &str) -> Result<f64, String> {
-    number(text, |v| (0.0..=20.0).contains(&v), "an angle from 0 to 20 degrees").map(f64::from)
+    number(text, |v| (0.0..=20.0).contains(&v), "an angle from 0 to 20 degrees")
 }

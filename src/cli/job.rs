@@ -12,7 +12,7 @@ use crate::error::Result;
 use crate::fold::{Chain, Options};
 use crate::material::{Extra, Inputs, Material, MeshAbout, MeshUnder, ReadPicture, Texels, load_with};
 use crate::ndf::Form;
-use crate::output::{MANIFEST, Plan, Request, fold_for, write};
+use crate::output::{MANIFEST, Plan, Request, fold_for, write_with};
 
 /// What to build, and how.
 pub struct Job<'a> {
@@ -22,11 +22,16 @@ pub struct Job<'a> {
     pub under: Option<Under<'a>>,
     /// Flakes on the surface, if it is to have any.
     pub flakes: Option<&'a FlakeArgs>,
+    /// Makes the pictures of the request.
+    pub draw: Option<Draw<'a>>,
     pub options: &'a Options,
     /// One width or two; if it was not said, two where the inputs are anisotropic.
     pub form: Option<Form>,
     pub request: &'a Request,
 }
+
+/// Makes the files of pictures of a folded material.
+pub type Draw<'a> = &'a dyn Fn(&Material, &Chain) -> Vec<Vec<u8>>;
 
 /// A mesh under a texture.
 pub struct Under<'a> {
@@ -66,8 +71,7 @@ impl Job<'_> {
         request.extras.iter().try_for_each(|extra| extra.check(options.form, options.lobes))?;
         let mut request = request.clone();
         if let Some(flakes) = self.flakes {
-            let flakes =
-                material.flakes.insert(flakes.load(&material.name, material.size, material.wrap, self.read)?);
+            let flakes = material.flakes.insert(flakes.load(material.size, material.wrap, self.read)?);
             request.extras.extend((!flakes.levels.is_empty()).then_some(Extra::Flakes));
         }
         let request = &request;
@@ -98,11 +102,12 @@ impl Job<'_> {
         let (folding, writing) = (Portion::on(bar), Portion::on(bar));
         bar.set_message(format!("folding {name}"));
         let chain = fold_for(&material, &options, &request.extras, &|share| folding.show(share));
-        bar.set_message(format!("writing {name}"));
         folding.show(1.0);
+        let pictures = self.draw.map_or_else(Vec::new, |draw| draw(&material, &chain));
+        bar.set_message(format!("writing {name}"));
         let (files, written) = (plan.outputs.len(), AtomicUsize::new(0));
         let tell = || writing.show((written.fetch_add(1, Ordering::Relaxed) + 1) as f64 / files as f64);
-        write(&material, &chain, &options, &plan, request, &tell)?;
+        write_with(&material, &chain, &options, &plan, request, &pictures, &tell)?;
         Ok(Done { material, options, chain: Some(chain), built })
     }
 

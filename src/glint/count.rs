@@ -9,8 +9,8 @@ use std::f64::consts::LOG2_E;
 use super::gauss::normal_quantile;
 
 /// Counts of at most this mean are exact; above, a normal distribution with the skewness of the count (Cornish & Fisher
-/// 1938, first term) stands for it, its mean and variance exact before rounding.
-pub const EXACT_MEAN: f64 = 12.0;
+/// 1938, first term) stands for it; its mean is exact, its variance 1.2 percent large at most.
+pub(super) const EXACT_MEAN: f64 = 12.0;
 
 /// More steps than an exact count can need: the chance to pass them is below 1e-40.
 const MOST_STEPS: f64 = 100.0;

@@ -1,8 +1,9 @@
 //! The ratio as the sum over the pixel's own flakes.
 //!
 //! `g = sum W(x - x_f) K(y - y_f) w_f` over the flakes f of a [`Net`], in units of cells and of the chart: W and K are
-//! biweights of integral 1, and the weights w of mean 1. There are no levels of detail: the flakes are fixed on the
-//! surface, and the net finds those that matter.
+//! biweights of integral 1, and the weights w of mean 1. Up to [`MOST_SUMMED`] flakes that answer there are no levels of
+//! detail: the flakes are fixed on the surface, and the net finds those that matter. For more, two sparser nets stand for
+//! them.
 //!
 //! Neighbouring pixels are a little less alike than their kernels overlap: at one effective flake and one pixel apart their
 //! correlation is 0.35, not 0.43, and twice as far -0.04, not 0.02; at a tenth of a flake it is that of the kernels. That is even

@@ -1,4 +1,4 @@
-//! Integer hashing: the only source of chance in this room, the same bits on every processor.
+//! Integer hashing: the source of chance for flakes, the same bits on every processor.
 //!
 //! Seeds are never made from floats: a rounding would move whole glints.
 

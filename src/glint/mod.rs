@@ -9,6 +9,19 @@
 //! areas ([`Probe::n_eff`]). A variance times N_eff is called normalised here, V*, and should be 1 (or 1 plus the squared
 //! variation of the flakes' sizes).
 //!
+//! Two lights at once: the correlation of their ratios at one pixel, where no flake answers both, is within 0.006 of 0 for
+//! lobes that take 0.4 percent of the chart, with either evaluator, and for lobes of 3 percent -0.021 for the field and 0.002 for
+//! the counts (within 0.002; `tests/lights.rs`). What the field has below 0 is the lobe's share of all directions: a flake
+//! that answers one light does not answer the other. Lobes right beside each other, two radii apart, correlate by -0.02 to
+//! -0.04 in the field, which is evenly filled, and by up to 0.05 in the counts (`tests/glints.rs`). Published counts that take the
+//! absolute slope show each glint again for the mirrored half vector.
+//!
+//! What to expect when things move. Glints of the field fade in and out where they are, make no lines and no lattice on
+//! curved surfaces, and keep apart: they look a little more even than independent flakes. Where more than 1.5 flakes answer,
+//! sparser nets stand for them, and as a pixel's number of flakes grows by a factor of four, glints dissolve into those of the
+//! next. Counts dissolve so at every doubling of the distance, for any number, reach over one pixel, and have no places of
+//! their own. Close-ups show flakes as soft round disks (streaks: ellipses), never their edges.
+//!
 //! | file | what is there |
 //! |---|---|
 //! | `hash` | integers to integers: the only source of chance |
@@ -20,6 +33,7 @@
 //! | `binomial` | counts in cells, after Zirr & Kaplanyan 2016 |
 //! | `gather` | the flakes of a pixel one by one, for several lights and for sampling |
 //! | `brute` | the truths: enumeration of the net, and independent flakes |
+//! | `texels` | no flakes, but the texels of a normal map close up |
 //!
 //! Everything is f64 here; nothing but the sums needs it. Wherever a float is rounded down to a cell, the weight of what
 //! could be missed is 0 (the field), or a mean is mixed across (the counts), so that processors may round differently.
@@ -42,7 +56,7 @@ mod tests;
 pub mod texels;
 
 pub use chart::{Chart, Macro, Tail};
-pub use count::{EXACT_MEAN, SmoothPoisson, binomial, ln_one_minus, poisson};
+pub use count::{SmoothPoisson, binomial, ln_one_minus, poisson};
 pub use footprint::{BIWEIGHT_AREA, Ellipse, Inverse, MOST_ANISOTROPY, SUPPORT2};
 pub use gather::{Gathered, GatheredFlake, gather};
 pub use gauss::{erf, erfc, normal_quantile};
@@ -68,7 +82,7 @@ pub static EVALUATORS: &[Evaluator] = &[
     Evaluator {
         name: "field",
         cite: "original; nets after Niederreiter 1987, scrambling after Owen 1995",
-        about: "the pixel's own flakes, one per cell, without levels of detail",
+        about: "the pixel's own flakes, one per cell: up to 1.5 that answer without levels of detail, sparser ones for more",
         ratio: field::ratio,
     },
     Evaluator {

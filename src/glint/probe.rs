@@ -85,7 +85,7 @@ pub struct Query {
 /// A query in units of flakes: cells of one flake each, and the square in which their normals are uniform.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Probe {
-    /// Place in cells; it repeats after [`Probe::PERIOD`].
+    /// Place in cells; the net repeats after [`Probe::PERIOD`], counts in wider cells do not.
     pub at: DVec2,
     /// The pixel's kernel, cells squared.
     pub kernel: Ellipse,

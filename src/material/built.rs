@@ -10,6 +10,9 @@ pub const MANIFEST: &str = "manifest.json";
 /// The value of `generator` in our manifests.
 pub const GENERATOR: &str = "mipfold";
 
+/// Pictures for people that may lie beside a chain: of flakes.
+pub const PICTURES: [&str; 4] = ["glints.png", "glints_zoom.png", "glints_pan.png", "glints_light.png"];
+
 /// Version of the manifest's form; fields are added, never renamed.
 pub const SCHEMA: u32 = 1;
 
@@ -34,6 +37,8 @@ impl Earlier {
             generator: String,
             material: String,
             maps: Vec<Map>,
+            #[serde(default)]
+            pictures: Vec<String>,
         }
         let text = std::fs::read(folder.join(MANIFEST)).ok()?;
         let manifest: Manifest = serde_json::from_slice(&text).ok()?;
@@ -45,7 +50,9 @@ impl Earlier {
                     || file.ends_with("_curvature.ply")
                     || (file.ends_with(".png") && file.contains("_mip")))
         };
-        let files = manifest.maps.into_iter().flat_map(|map| map.files).filter(ours).chain([MANIFEST.to_owned()]);
+        let pictures = manifest.pictures.into_iter().filter(|name| PICTURES.contains(&name.as_str()));
+        let maps = manifest.maps.into_iter().flat_map(|map| map.files).filter(ours);
+        let files = maps.chain(pictures).chain([MANIFEST.to_owned()]);
         (manifest.generator == GENERATOR).then(|| Self { material: manifest.material, files: files.collect() })
     }
 
@@ -62,11 +69,12 @@ mod tests {
     #[test]
     fn an_edited_manifest_names_no_files_of_others() {
         let folder = tempfile::tempdir().unwrap();
-        let text = r#"{"generator": "mipfold", "material": "m", "maps": [{"files":
+        let text = r#"{"generator": "mipfold", "material": "m", "pictures":
+            ["me.png", "glints.png"], "maps": [{"files":
             ["../x_mip0.png", "..", "sub/y.exr", "notes.txt", "Wall_mip0.png", "wall.exr"]}]}"#;
         std::fs::write(folder.path().join(MANIFEST), text).unwrap();
         let earlier = Earlier::read(folder.path()).unwrap();
-        assert_eq!(earlier.files, ["Wall_mip0.png", "wall.exr", MANIFEST]);
+        assert_eq!(earlier.files, ["Wall_mip0.png", "wall.exr", "glints.png", MANIFEST]);
         assert!(earlier.wrote("wall_mip0.PNG") && !earlier.wrote("notes.txt"));
     }
 }

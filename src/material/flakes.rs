@@ -4,8 +4,6 @@
 //! over the whole surface, so it is that of the flakes' own places times the mask: of a footprint that flakes half cover, the
 //! two means apart would not tell how many there are. *Mask* is the share of the surface that is flakes.
 
-use std::path::{Path, PathBuf};
-
 use ndarray::{Array2, Array3, Axis};
 use serde::{Deserialize, Serialize};
 
@@ -45,6 +43,8 @@ pub struct FlakesFile {
     pub sha256: String,
     /// "density" or "mask".
     pub role: String,
+    /// The channel that was read: "r", "g", "b" or "a".
+    pub channel: String,
 }
 
 impl FlakesAbout {
@@ -82,11 +82,6 @@ pub struct FlakePlaces {
 }
 
 impl FlakePlaces {
-    /// The inputs' files.
-    pub fn paths(&self) -> impl Iterator<Item = &PathBuf> {
-        self.density.iter().chain(&self.mask).map(|channel| &channel.path)
-    }
-
     /// Reads the maps, brings them to a material's size and filters them.
     ///
     /// # Errors
@@ -95,14 +90,22 @@ impl FlakePlaces {
         if self.density.is_none() && self.mask.is_none() {
             return Ok(MaterialFlakes { about, levels: Vec::new() });
         }
-        let mut plane = |channel: &Option<ChannelRef>, role: &str| -> Result<Array2<f32>> {
-            let Some(channel) = channel else { return Ok(Array2::ones((size.height, size.width))) };
-            let (plane, sha256) = read_plane(channel, size, wrap, read)?;
-            about.files.push(FlakesFile { path: name(&channel.path), sha256, role: role.into() });
-            Ok(plane)
+        let mut plane = |channel: &Option<ChannelRef>, role: &str| -> Result<Option<Array2<f32>>> {
+            let Some(channel) = channel else { return Ok(None) };
+            let (plane, file) = read_plane(channel, role, read)?;
+            about.files.push(file);
+            Ok(Some(plane))
         };
         let (density, mask) = (plane(&self.density, "density")?, plane(&self.mask, "mask")?);
-        let density = density * &mask;
+        // Multiplied before anything is averaged, so at a size that holds both.
+        let sizes = [&density, &mask].into_iter().flatten().map(|plane| plane.dim());
+        let (height, width) = sizes.fold((size.height, size.width), |a, b| (a.0.max(b.0), a.1.max(b.1)));
+        let whole = |plane: Option<Array2<f32>>| match plane {
+            Some(plane) => enlarged(plane, Size::new(width, height), wrap),
+            None => Array2::ones((height, width)),
+        };
+        let mask = whole(mask);
+        let density = whole(density) * &mask;
         let levels = (0..size.level_count()).map(|k| {
             let size = size.level(k);
             let mut level = Array3::zeros((size.height, size.width, 2));
@@ -115,29 +118,35 @@ impl FlakePlaces {
     }
 }
 
-fn name(path: &Path) -> String {
-    path.to_string_lossy().into_owned()
-}
-
-/// A channel at a size: enlarged as a renderer would sample it, shrunk by areas.
-fn read_plane(channel: &ChannelRef, size: Size, wrap: Wrap, read: ReadPicture) -> Result<(Array2<f32>, String)> {
+/// A channel of a file, 0 to 1.
+fn read_plane(channel: &ChannelRef, role: &str, read: ReadPicture) -> Result<(Array2<f32>, FlakesFile)> {
     let decoded = read(&channel.path)?;
     let raster = &decoded.raster;
     let count = raster.samples.channels();
     let index = channel.channel.unwrap_or(if count >= 3 { 1 } else { 0 });
+    let letter = ["r", "g", "b", "a"].get(index).copied().unwrap_or("r");
     if index >= count {
         let found = format!("{count} channel{}", if count == 1 { "" } else { "s" });
-        return Err(Error::invalid(&channel.path, found, format!("channel {index} of a map of flakes")));
+        return Err(Error::invalid(&channel.path, found, format!("a channel {letter} with the flakes' {role}")));
     }
-    let own = raster.size();
-    let at_least = Size::new(own.width.max(size.width), own.height.max(size.height));
-    let one = Array3::from_shape_fn((own.height, own.width, 1), |(y, x, _)| raster.at(x, y, index).clamp(0.0, 1.0));
-    let mut plane = Raster::new(Samples::F32(one));
-    if at_least != own {
-        plane = resample::enlarge(&plane, at_least, wrap);
+    let size = raster.size();
+    let plane = Array2::from_shape_fn((size.height, size.width), |(y, x)| {
+        let value = raster.at(x, y, index);
+        if value.is_nan() { 0.0 } else { value.clamp(0.0, 1.0) }
+    });
+    let path = channel.path.to_string_lossy().into_owned();
+    Ok((plane, FlakesFile { path, sha256: decoded.sha256, role: role.into(), channel: letter.into() }))
+}
+
+/// At a size that is no smaller, as a renderer would sample it.
+fn enlarged(plane: Array2<f32>, size: Size, wrap: Wrap) -> Array2<f32> {
+    let (height, width) = plane.dim();
+    if (width, height) == (size.width, size.height) {
+        return plane;
     }
-    let plane = Array2::from_shape_fn((at_least.height, at_least.width), |(y, x)| plane.at(x, y, 0));
-    Ok((shrunk(&plane, size), decoded.sha256))
+    let raster = Raster::new(Samples::F32(plane.insert_axis(Axis(2))));
+    let large = resample::enlarge(&raster, size, wrap);
+    Array2::from_shape_fn((size.height, size.width), |(y, x)| large.at(x, y, 0))
 }
 
 /// Means over the footprints of a smaller size.
@@ -158,6 +167,8 @@ fn shrunk(plane: &Array2<f32>, size: Size) -> Array2<f32> {
 
 #[cfg(test)]
 mod tests {
+    use std::path::Path;
+
     use super::*;
     use crate::codec::{decode, write_png};
 
@@ -204,13 +215,34 @@ mod tests {
             let mean = |which: usize| level.index_axis(Axis(2), which).mean().unwrap();
             assert!((mean(0) - 0.25).abs() < 1e-6 && (mean(1) - 0.5).abs() < 1e-6, "{} {}", mean(0), mean(1));
         }
-        let roles: Vec<_> = both.about.files.iter().map(|file| (file.path.as_str(), file.role.as_str())).collect();
-        assert_eq!(roles, [("d.png", "density"), ("m.png", "mask")]);
+        let of = |file: &FlakesFile| [file.path.clone(), file.role.clone(), file.channel.clone()];
+        let files: Vec<_> = both.about.files.iter().map(of).collect();
+        assert_eq!(files, [["d.png", "density", "r"], ["m.png", "mask", "r"]]);
         // Without a mask the surface is all flakes, and so are its levels.
         let one = places(Some("d.png"), None).load(about(), size, Wrap::Repeat, &read).unwrap();
         assert!(one.levels.iter().all(|level| level.index_axis(Axis(2), 1).iter().all(|m| (m - 1.0).abs() < 1e-6)));
         let none = places(None, None).load(about(), size, Wrap::Repeat, &read).unwrap();
         assert!(none.levels.is_empty() && none.about.files.is_empty());
+    }
+
+    /// Density and mask are multiplied where they are fine, not where the material is coarse: flakes on every other column,
+    /// and dense on the same columns or on the others.
+    #[test]
+    fn products_are_taken_before_means() {
+        let read = |path: &Path| {
+            let odd = usize::from(path.ends_with("odd.png"));
+            let bytes = match odd {
+                0 => picture(Size::new(16, 1), |x, _| if x % 2 == 0 { 255 } else { 0 }),
+                _ => picture(Size::new(16, 1), |x, _| if x % 2 == 1 { 255 } else { 0 }),
+            };
+            decode(path, bytes)
+        };
+        for (density, expected) in [("even.png", 0.5), ("odd.png", 0.0)] {
+            let flakes =
+                places(Some(density), Some("even.png")).load(about(), Size::new(2, 1), Wrap::Repeat, &read).unwrap();
+            assert!((flakes.levels[0][(0, 0, 0)] - expected).abs() < 1e-6, "{density}");
+            assert!((flakes.levels[0][(0, 0, 1)] - 0.5).abs() < 1e-6, "{density}");
+        }
     }
 
     /// A mask of another size keeps its mean; a channel that is not there is named.
@@ -223,7 +255,7 @@ mod tests {
             assert!((top[(0, 0, 1)] - 0.25).abs() < 1e-5 && top.dim() == (1, 1, 2), "{size}: {top}");
         }
         let error = places(None, Some("m.png:b")).load(about(), Size::new(4, 4), Wrap::Repeat, &read).unwrap_err();
-        assert!(error.to_string().contains("m.png") && error.to_string().contains("channel"), "{error}");
+        assert!(error.to_string().contains("m.png") && error.to_string().contains("a channel b"), "{error}");
     }
 
     #[test]

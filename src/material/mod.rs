@@ -21,7 +21,7 @@ mod role;
 mod source;
 mod texels;
 
-pub use built::{Earlier, GENERATOR, MANIFEST, SCHEMA};
+pub use built::{Earlier, GENERATOR, MANIFEST, PICTURES, SCHEMA};
 pub use extra::{Extra, LARGEST_ENERGY};
 pub use flakes::{FlakePlaces, FlakesAbout, FlakesFile, MaterialFlakes};
 pub use further::{FurtherMap, FurtherView};

@@ -43,6 +43,9 @@ pub struct Manifest {
     flakes: Option<FlakesAbout>,
     inputs: Vec<Input>,
     maps: Vec<OutputMap>,
+    /// For people.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pictures: Vec<String>,
     notes: Vec<String>,
     warnings: Vec<String>,
 }
@@ -113,6 +116,7 @@ impl Manifest {
             flakes: material.flakes.as_ref().map(|flakes| flakes.about.clone()),
             inputs: inputs(material),
             maps: maps(material, chain, plan, request),
+            pictures: request.pictures.clone(),
             notes: material.notes.clone(),
             warnings: material.warnings.clone(),
         }

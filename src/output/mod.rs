@@ -18,4 +18,4 @@ use stage::stale;
 pub use stage::{Stage, may_build, may_write};
 pub use texels::{read_texels, write_texels};
 pub use vertices::{vertices_name, write_vertices};
-pub use write::write;
+pub use write::{write, write_with};

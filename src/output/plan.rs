@@ -33,6 +33,8 @@ pub struct Request {
     pub moments: bool,
     /// Further maps, in each container.
     pub extras: Vec<Extra>,
+    /// Names of PNG pictures for people, which whoever writes brings along; see [`super::write_with`].
+    pub pictures: Vec<String>,
     /// Whether files that mipfold did not write may be replaced.
     pub force: bool,
 }
@@ -89,6 +91,11 @@ pub enum Content {
         /// Which.
         extra: Extra,
     },
+    /// A picture for people.
+    Picture {
+        /// Index in [`Request::pictures`].
+        index: usize,
+    },
 }
 
 /// All files of a material, level 0 of the largest maps first.
@@ -143,6 +150,9 @@ impl Plan {
             if request.formats.contains(&Format::Exr) {
                 push(format!("{stem}.exr"), Content::ExtraLevels { extra });
             }
+        }
+        for (index, name) in request.pictures.iter().enumerate() {
+            push(name.clone(), Content::Picture { index });
         }
         Self { outputs }
     }

@@ -27,6 +27,26 @@ pub fn write(
     request: &Request,
     done: &(dyn Fn() + Sync),
 ) -> Result<()> {
+    write_with(material, chain, options, plan, request, &[], done)
+}
+
+/// [`write`], with the files of [`Request::pictures`] beside the maps.
+///
+/// # Errors
+/// As [`write`]; and another number of pictures than names.
+pub fn write_with(
+    material: &Material,
+    chain: &Chain,
+    options: &Options,
+    plan: &Plan,
+    request: &Request,
+    pictures: &[Vec<u8>],
+    done: &(dyn Fn() + Sync),
+) -> Result<()> {
+    if pictures.len() != request.pictures.len() {
+        let expected = format!("{}, one for each name", request.pictures.len());
+        return Err(Error::invalid_option("pictures", pictures.len().to_string(), expected));
+    }
     plan.check(material, request)?;
     if request.extras.contains(&Extra::Curvature) && material.mesh.is_none() {
         return Err(Error::invalid_option("curvature map", "no mesh", "a material with a baked mesh"));
@@ -55,6 +75,7 @@ pub fn write(
                 write_png(out, &ExtraLevel::new(material, chain, extra, level).raster())
             }
             Content::ExtraLevels { extra } => write_extra(out, material, chain, extra, request.depth),
+            Content::Picture { index } => out.write_all(&pictures[index]),
         })?;
         done();
         Ok(())

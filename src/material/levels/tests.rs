@@ -72,6 +72,7 @@ fn build_with(change: impl FnOnce(&mut Inputs), options: Options, mix: impl Fn(u
         depth: Depth::Half,
         moments: options.slope_moments,
         extras: Vec::new(),
+        pictures: Vec::new(),
         force: false,
     };
     let plan = Plan::new(&material, &options, &request);

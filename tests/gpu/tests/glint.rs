@@ -202,7 +202,7 @@ fn counts_have_their_means_and_variances() {
 fn constant(subject: &str, name: &str) -> f64 {
     let text = fs::read_to_string(kernels().join("wgsl").join(format!("{subject}.wgsl"))).expect("a text");
     let line = text.lines().find(|l| l.starts_with(&format!("const {name}:"))).expect("the constant");
-    line.split("= ").nth(1).and_then(|n| n.trim_end_matches("u;").parse().ok()).expect("a number")
+    line.split("= ").nth(1).and_then(|n| n.trim_end_matches(';').trim_end_matches('u').parse().ok()).expect("a number")
 }
 
 /// Flakes that one layer looks at, and cells that one grid has: the bounds of loops are far above.
@@ -210,7 +210,8 @@ fn constant(subject: &str, name: &str) -> f64 {
 fn loops_are_as_long_as_pixels_need() {
     let most = [constant("glint_field", "MF_GLINT_MOST"), constant("glint_binomial", "MF_GLINT_CELLS")];
     let mut random = SplitMix(64);
-    for long in [1.0, 4.0, 16.0, 64.0] {
+    // Cells on average, as the text has them.
+    for (long, cells) in [(1.0, 5.0), (4.0, 15.0), (16.0, 57.0), (64.0, 230.0)] {
         for area in [1e-9, 1e-7, 1e-5, 1e-3, 0.03, 0.43] {
             let mut found = Vec::new();
             for n_eff in [0.01, 0.1, 1.0, 1.5, 6.0] {
@@ -227,6 +228,12 @@ fn loops_are_as_long_as_pixels_need() {
                     }
                 }
                 assert!(worst[0] < most[0] && worst[1] < most[1], "{worst:?}");
+                assert!(
+                    (sums[1] / cells - 1.0).abs() < 0.15 && worst[1] <= 410.0,
+                    "{long}: {} cells, {}",
+                    sums[1],
+                    worst[1]
+                );
                 found.push(format!("{n_eff}: {:.0} ({}), {:.0} ({})", sums[0], worst[0], sums[1], worst[1]));
             }
             say(&format!(
@@ -256,8 +263,10 @@ fn flakes_seen(pixel: &GlintPixel, light: &GlintLight) -> f64 {
 /// Turns of the loop over the finer grid's cells, one for a row that has none.
 fn cells_seen(pixel: &GlintPixel, position: f64) -> f64 {
     let [_, short] = pixel.kernel.ellipse().radii();
-    let e = pixel.kernel.ellipse().scaled(0.75 / (short * (-position).exp2()));
-    let (xx, yy, c) = (e.xx + 0.6, e.yy + 0.6, pixel.within - 0.5);
+    let [finest, narrow2, reach2] =
+        ["FINEST", "NARROW2", "REACH2"].map(|name| constant("glint_binomial", &format!("MF_GLINT_{name}")));
+    let e = pixel.kernel.ellipse().scaled(narrow2.sqrt() * finest / (short * (-position).exp2()));
+    let (xx, yy, c) = (e.xx + reach2, e.yy + reach2, pixel.within - 0.5);
     let mut found = 0.0;
     for j in (c.y - yy.sqrt()).ceil() as i64..=(c.y + yy.sqrt()).floor() as i64 {
         let d = j as f64 - c.y;

@@ -9,7 +9,7 @@ use mipfold_gpu_tests::translate::Language;
 /// What the README takes from the shader around it.
 const AROUND: &str = "\
 uniform sampler2D normal_map, roughness_map, flakes_map;
-uniform float density;
+uniform float density, size_variation;
 uniform vec3 view, light, f0;
 in vec2 uv;
 in vec3 n, t, b;
