@@ -166,6 +166,8 @@ fn try_audit(inputs: &Inputs, read: ReadPicture) -> crate::error::Result<Audit> 
     let subject = Subject::new(inputs, &material, read, &seen)?;
     let mut findings: Vec<Finding> = CHECKS.iter().flat_map(|check| (check.run)(&subject)).collect();
     findings.sort_by_key(|finding| finding.severity);
+    // More digits would say more than is known.
+    findings.iter_mut().for_each(|finding| finding.confidence = (100.0 * finding.confidence).round() / 100.0);
     Ok(Audit { name: material.name.clone(), size: Some(material.size), findings })
 }
 
