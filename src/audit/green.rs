@@ -63,22 +63,25 @@ fn run(subject: &Subject) -> Vec<Finding> {
     findings
 }
 
+/// The likeliest reading, if it is much likelier than the other that is asked about: as it is, or green flipped if it is as
+/// it is.
 fn by_curl(normals: &Normals) -> Option<Verdict> {
     let curl = Curl::of(normals);
     if curl.live < LIVE {
         return None;
     }
     let best = (0..4).min_by(|a, b| curl.energies[*a].total_cmp(&curl.energies[*b])).expect("four");
-    let ratio = curl.energies[best] / curl.energies[0].max(f64::MIN_POSITIVE);
-    let errors = (curl.energies[0] - curl.energies[best]) / curl.errors[best].max(f64::MIN_POSITIVE);
-    let certain = errors > ERRORS;
+    // Errors are those of differences from the reading as it is.
+    let (other, error) = if best == 0 { (1, curl.errors[1]) } else { (0, curl.errors[best]) };
+    let ratio = curl.energies[best] / curl.energies[other].max(f64::MIN_POSITIVE);
+    let errors = (curl.energies[other] - curl.energies[best]) / error.max(f64::MIN_POSITIVE);
     let evidence = format!(
         "the curl of the slopes has {:.2} of the energy of their derivatives as read, {:.2} {}",
         curl.energies[0],
-        curl.energies[best],
-        words(READINGS[best])
+        curl.energies[best.max(other)],
+        words(READINGS[best.max(other)])
     );
-    (ratio < LIKELIER && certain).then(|| Verdict {
+    (ratio < LIKELIER && errors > ERRORS).then(|| Verdict {
         reading: READINGS[best],
         confidence: (1.0 - 0.5 * ratio).clamp(0.5, 0.98),
         evidence,
@@ -123,24 +126,35 @@ fn convention(
     heights: Option<Verdict>,
 ) -> Option<Finding> {
     let named = subject.inputs.normal.as_deref().and_then(named_normal_y).filter(|named| *named != normals.y);
+    let as_read = |verdict: &Verdict| verdict.reading == Reading::AsRead;
     // A height map beside the normals knows better than their curl.
-    let contradicted = heights.as_ref().is_some_and(|h| h.reading == Reading::AsRead);
-    let curl = curl.filter(|_| !contradicted);
-    let heights = heights.filter(|h| h.reading != Reading::AsRead);
+    let by_heights = heights.as_ref().is_some_and(as_read);
+    let confirmed = by_heights || (heights.is_none() && curl.as_ref().is_some_and(as_read));
+    let curl = curl.filter(|curl| !by_heights && !as_read(curl));
+    let heights = heights.filter(|heights| !as_read(heights));
     let reading = heights.as_ref().or(curl.as_ref()).map(|v| v.reading).or(named.map(|_| Reading::Flipped))?;
     let agree = [&curl, &heights].iter().filter(|v| v.as_ref().is_some_and(|v| v.reading == reading)).count()
         + usize::from(named.is_some() && reading == Reading::Flipped);
     let doubt = [&curl, &heights].into_iter().flatten().filter(|v| v.reading == reading);
-    let name_doubt = if named.is_some() && reading == Reading::Flipped { 0.2 } else { 1.0 };
+    // Names are wrong at times; the slopes are not.
+    let name_doubt = match named {
+        Some(_) if confirmed => 0.7,
+        Some(_) if reading == Reading::Flipped => 0.2,
+        _ => 1.0,
+    };
     let doubt = doubt.fold(name_doubt, |doubt, verdict| doubt * (1.0 - verdict.confidence));
     let mut evidence: Vec<String> =
         [&curl, &heights].into_iter().flatten().map(|verdict| verdict.evidence.clone()).collect();
-    evidence.extend(named.map(|named| format!("the file's name says {}", named.describe())));
+    evidence.extend(named.map(|named| {
+        let but = if confirmed { ", but its slopes agree with how it is read" } else { "" };
+        format!("the file's name says {}{but}", named.describe())
+    }));
     let other = match normals.y {
         NormalY::OpenGl => NormalY::DirectX,
         NormalY::DirectX => NormalY::OpenGl,
     };
     let fix = match reading {
+        Reading::Flipped if confirmed => "look which way it is, and rename the file if the name is wrong".to_owned(),
         Reading::Flipped => {
             let option = if other == NormalY::DirectX { "directx" } else { "opengl" };
             format!("read it with --normal-y {option}, or invert green (or red, if that one is wrong)")
