@@ -47,7 +47,7 @@ impl Stats {
         let widened = counts.len() > 256 && counts.iter().enumerate().all(|(v, n)| *n == 0 || v % 257 == 0);
         Self {
             min: used().next().map_or(0.0, |(v, _)| v),
-            max: used().last().map_or(0.0, |(v, _)| v),
+            max: used().next_back().map_or(0.0, |(v, _)| v),
             mean,
             deviation: variance.sqrt(),
             distinct: Some(used().count()),

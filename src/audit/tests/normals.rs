@@ -157,7 +157,7 @@ fn jpeg_blocks_are_found_in_pngs_wherever_they_begin() {
     for period in [16, 32, 64] {
         let tiled = map8(3, |x, y| {
             let [_, p, q] = surface(x, y);
-            let joint = |i: usize| if i % period == 0 { 0.5 } else { 0.0 };
+            let joint = |i: usize| if i.is_multiple_of(period) { 0.5 } else { 0.0 };
             stored(p + joint(x) - joint(x + 1), q + joint(y) - joint(y + 1)).to_vec()
         });
         only(&Maps::of(tiled).audit(), &[]);

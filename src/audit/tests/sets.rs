@@ -28,7 +28,7 @@ fn gloss_is_found_by_name_and_by_the_bumps() {
 
 #[test]
 fn swapped_channels_of_a_packed_map_are_found() {
-    let metal = |x: usize, y: usize| f64::from(u8::from((x / 40 + y / 56) % 3 == 0));
+    let metal = |x: usize, y: usize| f64::from(u8::from((x / 40 + y / 56).is_multiple_of(3)));
     let occlusion = |x, y| 0.95 + 0.05 * (surface(x, y)[0] / 4.0).tanh();
     let packed = |order: [usize; 3]| {
         map8(3, move |x, y| {
@@ -42,7 +42,7 @@ fn swapped_channels_of_a_packed_map_are_found() {
     let finding = found(&audit, "packing");
     assert!(finding.severity == Severity::Warning && finding.fix.contains("FILE:b"), "{finding:?}");
     // Occlusion in green can only be supposed.
-    let open = |x: usize, y: usize| if (x / 16 + y / 16) % 4 == 0 { 0.7 } else { 1.0 };
+    let open = |x: usize, y: usize| if (x / 16 + y / 16).is_multiple_of(4) { 0.7 } else { 1.0 };
     let map = map8(3, |x, y| vec![rough(x, y), open(x, y), metal(x, y)]);
     let audit = Maps::of(sound()).with("rough_rma.png", map).audit();
     only(&audit, &["packing"]);
