@@ -61,6 +61,7 @@
 //! | `gltf` | glTF files as they are: documents, buffers, numbers (not public) |
 //! | [`curvature`] | meshes to roughness: what a mesh's own normals add under each texel of every level |
 //! | [`material`] | what channels mean, both ways: roles, packing, file names, repair |
+//! | [`mod@audit`] | what is wrong with a material's maps: findings with evidence, confidence and the fix |
 //! | [`mod@reference`] | the exact NDF and the exact shading of a footprint, in f64 |
 //! | [`compare`] | how far a chain is from that, and a picture from another |
 //! | [`moments`] | sums over a footprint that merge without loss |
@@ -91,6 +92,7 @@
 //! A Beckmann lobe has the slope variance `alpha^2 / 2` along each axis ([`roughness::SlopeVariance`]). GGX has none,
 //! so nothing of GGX is called a variance here.
 
+pub mod audit;
 pub mod cli;
 pub mod codec;
 pub mod compare;

@@ -1,12 +1,13 @@
 //! The README says what is so: its table of folds, commands, files, manifest fields, snippet and links are checked.
 //!
-//! `BLESS=1 cargo test --test readme` writes the table of folds again.
+//! `BLESS=1 cargo test --test readme` writes the tables of folds and of checks again.
 
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
 use assert_cmd::Command;
+use mipfold::audit::CHECKS;
 use mipfold::codec::write_png;
 use mipfold::fold::FOLDS;
 use mipfold::image::{Raster, Samples};
@@ -19,6 +20,8 @@ mod mesh;
 const README: &str = include_str!("../README.md");
 const FOLDS_BEGIN: &str = "<!-- folds: written by `BLESS=1 cargo test --test readme` -->\n";
 const FOLDS_END: &str = "<!-- /folds -->\n";
+const CHECKS_BEGIN: &str = "<!-- checks: written by `BLESS=1 cargo test --test readme` -->\n";
+const CHECKS_END: &str = "<!-- /checks -->\n";
 
 fn root(path: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join(path)
@@ -56,23 +59,35 @@ fn commands() -> Vec<&'static str> {
     lines.map(|line| line.split(" #").next().unwrap_or_default().trim()).filter(|line| !line.is_empty()).collect()
 }
 
-#[test]
-fn table_of_folds_is_the_list_of_folds() {
-    let widths = |two: bool| if two { "one or two" } else { "one" };
-    let expected: Vec<[String; 4]> = FOLDS
-        .iter()
-        .map(|f| [format!("`{}`", f.name), f.about.into(), widths(f.has_two_widths()).into(), f.cite.into()])
-        .collect();
-    let table = between(README, FOLDS_BEGIN, FOLDS_END);
-    if std::env::var_os("BLESS").is_some() {
-        let lines: String = expected.iter().map(|row| format!("| {} |\n", row.join(" | "))).collect();
-        let (before, _) = README.split_once(FOLDS_BEGIN).unwrap();
-        let (_, after) = README.split_once(FOLDS_END).unwrap();
-        let head = "| fold | what it does | widths | from |\n|---|---|---|---|\n";
-        fs::write(root("README.md"), [before, FOLDS_BEGIN, head, &lines, FOLDS_END, after].concat()).unwrap();
-        return;
+/// A table of the README holds these rows; `BLESS` writes them into `readme`, which is returned.
+fn table(readme: &str, [begin, end, head]: [&str; 3], expected: &[Vec<String>]) -> String {
+    if std::env::var_os("BLESS").is_none() {
+        let found = rows(between(readme, begin, end));
+        assert_eq!(found, expected, "BLESS=1 cargo test --test readme writes the table again");
+        return readme.to_owned();
     }
-    assert_eq!(rows(table), expected, "BLESS=1 cargo test --test readme writes the table again");
+    let lines: String = expected.iter().map(|row| format!("| {} |\n", row.join(" | "))).collect();
+    let (before, rest) = readme.split_once(begin).unwrap();
+    let (_, after) = rest.split_once(end).unwrap();
+    [before, begin, head, &lines, end, after].concat()
+}
+
+#[test]
+fn tables_are_the_lists_of_folds_and_of_checks() {
+    let widths = |two: bool| if two { "one or two" } else { "one" };
+    let folds: Vec<Vec<String>> = FOLDS
+        .iter()
+        .map(|f| vec![format!("`{}`", f.name), f.about.into(), widths(f.has_two_widths()).into(), f.cite.into()])
+        .collect();
+    let checks: Vec<Vec<String>> =
+        CHECKS.iter().map(|check| vec![format!("`{}`", check.name), check.about.into()]).collect();
+    let head = "| fold | what it does | widths | from |\n|---|---|---|---|\n";
+    let readme = table(README, [FOLDS_BEGIN, FOLDS_END, head], &folds);
+    let head = "| check | what it looks for |\n|---|---|\n";
+    let readme = table(&readme, [CHECKS_BEGIN, CHECKS_END, head], &checks);
+    if readme != README {
+        fs::write(root("README.md"), readme).unwrap();
+    }
 }
 
 /// Makes the chains that `compare` shall read: the folder `out`, and a picture a level where a path has `%d`.
@@ -104,7 +119,7 @@ fn run(arguments: &[&str], folder: &Path) {
     if arguments.first() == Some(&"compare") {
         chains(arguments, folder);
     }
-    let command = |a: &&str| !["build", "compare", "bake-curvature", "glint"].contains(a);
+    let command = |a: &&str| !["build", "compare", "bake-curvature", "glint", "audit"].contains(a);
     let mut values = arguments.iter().copied().skip_while(command).skip(1).peekable();
     while let Some(argument) = values.next() {
         match argument {
@@ -168,6 +183,7 @@ fn options_in_the_text_exist() {
         ["kernels", "--help"],
         ["bake-curvature", "--help"],
         ["glint", "--help"],
+        ["audit", "--help"],
     ]
     .map(|arguments| {
         let output = Command::new(env!("CARGO_BIN_EXE_mipfold")).args(arguments).output().unwrap();

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 /// From top to bottom.
 ///
 /// The judge, `reference` and `compare`, stands above `fold`: it cannot know what it judges.
-const ROOMS: [&str; 21] = [
+const ROOMS: [&str; 22] = [
     "error",
     "roughness",
     "random",
@@ -16,6 +16,7 @@ const ROOMS: [&str; 21] = [
     "gltf",
     "curvature",
     "material",
+    "audit",
     "reference",
     "compare",
     "moments",

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
+use super::audit::AuditArgs;
 use super::compare_args::CompareArgs;
 use super::glint_args::GlintArgs;
 use super::lobes_arg::LobesArg;
@@ -57,6 +58,8 @@ pub struct Global {
 pub enum Command {
     /// Build a folded mip chain from a normal map and a roughness map, or from a folder of texture sets
     Build(BuildArgs),
+    /// Say what is wrong with a material's maps, how sure that is, and what mends it
+    Audit(AuditArgs),
     /// Judge mip chains, of whatever origin, against the exact truth of their level 0
     Compare(CompareArgs),
     /// Bake the curvature of a mesh into the roughness of mips, together with the material's own maps

@@ -2,6 +2,7 @@
 #![allow(clippy::print_stdout, clippy::print_stderr)]
 
 mod args;
+mod audit;
 mod bake;
 mod build;
 mod chains;
@@ -38,6 +39,7 @@ pub fn run() -> ExitCode {
     let result = match &cli.command {
         Command::Build(args) => build::run(args, &cli.global, &mut report),
         Command::Compare(args) => compare::run(args, &cli.global, &mut report),
+        Command::Audit(args) => audit::run(args, &mut report),
         Command::Demo(args) => demo::run(args, &cli.global, &mut report),
         Command::BakeCurvature(args) => bake::run(args, &cli.global, &mut report),
         Command::Glint(args) => glint::run(args, &cli.global, &mut report),

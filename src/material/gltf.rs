@@ -46,6 +46,14 @@ impl Model {
         Ok(is_gltf(&bytes).then(|| Self { path: path.to_owned(), bytes }))
     }
 
+    /// How many materials the file has.
+    ///
+    /// # Errors
+    /// A file that is no glTF.
+    pub fn materials(&self) -> Result<usize> {
+        Ok(open(&self.path, &self.bytes)?.0.materials.len())
+    }
+
     /// The surfaces that these materials make, each by its number in the file, in order of their first one. One that cannot
     /// be read does not hide the others.
     ///

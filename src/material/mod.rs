@@ -1,5 +1,6 @@
 //! What channels mean, both ways: roles, packing, Y and roughness conventions, file names, repair.
 
+mod beside;
 mod built;
 pub mod detect;
 mod extra;
@@ -21,6 +22,7 @@ mod role;
 mod source;
 mod texels;
 
+pub use beside::{height_beside, named_normal_y, named_smooth};
 pub use built::{Earlier, GENERATOR, MANIFEST, PICTURES, SCHEMA};
 pub use extra::{Extra, LARGEST_ENERGY};
 pub use flakes::{FlakePlaces, FlakesAbout, FlakesFile, MaterialFlakes};
