@@ -13,11 +13,18 @@
 //! | `Bc5` | 2 channels, each a BC4 block | 1 |
 //! | `Bc7` | 3 or 4 channels in blocks of 4x4 | 1 |
 //!
-//! What blocks cost is measured in `accuracy` tests on bumps of moderate slope, 256x256 texels:
+//! What that costs normals, on made-up bumps of 256x256 texels (24 waves, the shortest 11 texels long, slopes of 0.25 root
+//! mean square, and three dents), against normals that are not rounded at all; the tests hold these figures:
 //!
-//! | format | effort | PSNR | mean angle between normals |
+//! | format | PSNR | mean angle | worst angle |
 //! |---|---|---|---|
-//! ACCURACY
+//! | `Rg8`, third coordinate from the other two | 58.9 dB | 0.17 degrees | 0.4 degrees |
+//! | `Bc5`, likewise | 49.6 dB | 0.47 degrees | 2.4 degrees |
+//! | `Bc7`, fast | 39.8 dB | 1.50 degrees | 14.7 degrees |
+//! | `Bc7`, slow | 44.5 dB | 0.94 degrees | 6.0 degrees |
+//!
+//! A map of occlusion, roughness and patches of metal made from them: 42.4 dB in `Bc7`, fast, and 46.9 dB, slow; its
+//! first channel alone 55.5 dB in `Bc4`. Normals belong in `Bc5`.
 //!
 //! Channels go in as they come: a raster with fewer channels than the format is filled up as hardware does, with 0 and an
 //! alpha of 1, and what the format has no place for is dropped. Integers that the format has fewer bits for are rounded;
@@ -168,13 +175,15 @@ impl TexelFormat {
 
 /// How much time BC7 may take; other formats have one way only.
 ///
-/// Megatexels in a second on one core of an EPYC 7003: EFFORT.
+/// Measured on real maps of 512x512 texels, one core of an EPYC 7003, in megatexels a second: BC7 with three channels 7 to
+/// 10 fast and 0.28 slow, with four 1.6 and 0.17; BC4 19 to 33, BC5 half of that. Slow gains 3 to 7 dB with three
+/// channels, and 0.1 to 3 dB with four.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Effort {
-    /// Seconds for a 4096x4096 chain.
+    /// Some seconds of one core for a chain from 4096x4096.
     #[default]
     Fast,
-    /// A minute or more for it: for what ships.
+    /// Minutes of one core for it: for what ships.
     Slow,
 }
 

@@ -11,7 +11,7 @@ fn slope(x: usize, y: usize) -> [f64; 2] {
     for i in 1..=24 {
         // The golden angle spreads directions evenly.
         let (sin, cos) = (2.399963 * f64::from(i)).sin_cos();
-        let frequency = 6.283185 * (1.0 + 0.9 * f64::from(i));
+        let frequency = std::f64::consts::TAU * (1.0 + 0.9 * f64::from(i));
         let wave = 0.07 * (frequency * (cos * x + sin * y) + 5.0 * f64::from(i * i)).cos();
         slope[0] += cos * wave;
         slope[1] += sin * wave;
