@@ -13,7 +13,7 @@ use mipfold::image::{Raster, Samples, Size};
 use ndarray::Array3;
 use serde_json::{Value, json};
 
-const SIZES: [(usize, usize); 3] = [(64, 16), (100, 36), (5, 3)];
+const SIZES: [(usize, usize); 2] = [(100, 36), (5, 3)];
 
 fn raster(size: Size, channels: usize) -> Raster {
     let value = |y: usize, x: usize, c: usize| {
@@ -72,7 +72,7 @@ fn openimageio_reads_our_dds_files_texel_for_texel() {
         assert_eq!(floats.next(), None);
         count += 1;
     }
-    assert_eq!(count, 15);
+    assert_eq!(count, 10);
 }
 
 fn three() -> Option<PathBuf> {
@@ -111,5 +111,5 @@ fn three_reads_our_ktx_2_files_byte_for_byte() {
             count += 1;
         }
     }
-    assert_eq!(count, 60);
+    assert_eq!(count, 40);
 }
