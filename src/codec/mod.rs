@@ -10,6 +10,8 @@
 //! | BMP, WebP | content | 8 bit |
 //! | Radiance HDR | content | float |
 //! | OpenEXR | content | half, float, unsigned integer; any channels, any data window |
+//! | KTX 2 | content | 8, 16 bit, half, float, BC1, BC3, BC4, BC5, BC7; with Zstandard or zlib |
+//! | DDS | content | the same, with the DX10 header or the older one; masks of whole bytes |
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
@@ -24,6 +26,7 @@ mod apng;
 pub mod exr;
 mod pictures;
 pub mod png;
+pub mod texture;
 mod tiff;
 
 #[cfg(test)]
@@ -73,8 +76,8 @@ pub fn decode(path: &Path, bytes: Vec<u8>) -> Result<Decoded> {
     Ok(decode_levels(path, bytes, 1)?.swap_remove(0))
 }
 
-/// Reads every level of a mip-mapped OpenEXR file, largest first; the one picture of any other file. Channels are in the
-/// same order as [`read`] gives them.
+/// Reads every level of a mip-mapped OpenEXR, KTX 2 or DDS file, largest first; the one picture of any other file.
+/// Channels are in the same order as [`read`] gives them.
 ///
 /// # Errors
 /// As [`read`].
@@ -89,6 +92,8 @@ fn decode_levels(path: &Path, bytes: Vec<u8>, count: usize) -> Result<Vec<Decode
     let (rasters, notes) = source.guard(|| match format {
         Format::Png => png::decode(&source).map(one),
         Format::Exr => exr::decode(&source, count),
+        Format::Ktx2 => texture::decode_ktx2(&source, count),
+        Format::Dds => texture::decode_dds(&source, count),
         Format::Tiff => tiff::decode(&source).map(one),
         _ => pictures::decode(&source).map(one),
     })?;
@@ -143,6 +148,8 @@ enum Format {
     WebP,
     Hdr,
     Exr,
+    Ktx2,
+    Dds,
 }
 
 impl Format {
@@ -156,6 +163,8 @@ impl Format {
             Format::WebP => "WebP",
             Format::Hdr => "Radiance HDR",
             Format::Exr => "OpenEXR",
+            Format::Ktx2 => "KTX 2",
+            Format::Dds => "DDS",
         }
     }
 
@@ -167,20 +176,24 @@ impl Format {
             [b'I', b'I', 42 | 43, 0, ..] | [b'M', b'M', 0, 42 | 43, ..] => Format::Tiff,
             [b'R', b'I', b'F', b'F', _, _, _, _, b'W', b'E', b'B', b'P', ..] => Format::WebP,
             [0x76, 0x2f, 0x31, 0x01, ..] => Format::Exr,
+            _ if bytes.starts_with(b"\xabKTX 20\xbb\r\n\x1a\n") => Format::Ktx2,
+            [b'D', b'D', b'S', b' ', ..] => Format::Dds,
             _ if bytes.starts_with(b"#?RADIANCE") || bytes.starts_with(b"#?RGBE") => Format::Hdr,
             _ if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("tga")) && !bytes.is_empty() => Format::Tga,
             [b'B', b'M', ..] => Format::Bmp,
-            _ => return Err(Error::invalid(path, unknown(bytes), "PNG, JPEG, TIFF, TGA, BMP, WebP, HDR or EXR data")),
+            _ => {
+                let known = "PNG, JPEG, TIFF, TGA, BMP, WebP, HDR, EXR, KTX 2 or DDS data";
+                return Err(Error::invalid(path, unknown(bytes), known));
+            }
         })
     }
 }
 
 /// What a file that is no picture of ours seems to be.
 fn unknown(bytes: &[u8]) -> String {
-    let known: [(&[u8], &str); 6] = [
+    let known: [(&[u8], &str); 5] = [
         (b"GIF8", "a GIF picture"),
-        (b"DDS ", "a DDS texture"),
-        (b"\xabKTX", "a KTX texture"),
+        (b"\xabKTX 1", "a texture of KTX 1"),
         (b"8BPS", "a Photoshop document"),
         (b"glTF", "a GLB scene"),
         (b"PK\x03\x04", "a ZIP archive"),

@@ -84,6 +84,14 @@ fn resized(name: &str, bytes: &[u8], width: u32, height: u32) -> Vec<u8> {
                 }
             }
         }
+        "a.ktx2" => {
+            put(20, &width.to_le_bytes());
+            put(24, &height.to_le_bytes());
+        }
+        "a.dds" => {
+            put(12, &height.to_le_bytes());
+            put(16, &width.to_le_bytes());
+        }
         _ => {
             for window in [&b"dataWindow\0box2i\0"[..], b"displayWindow\0box2i\0"] {
                 let at = bytes.windows(window.len()).position(|w| w == window).unwrap() + window.len() + 4;

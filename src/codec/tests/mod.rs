@@ -82,6 +82,13 @@ pub(super) fn samples_of_all_formats() -> Vec<(&'static str, Vec<u8>)> {
         encoder.write_image::<::tiff::encoder::colortype::RGB8>(9, 7, rgb.as_slice().unwrap()).unwrap();
         out.into_inner()
     };
+    let texture = {
+        let raster = Raster::new(Samples::U8(rgb.clone()));
+        texture::Texture::encode(&[raster], texture::TexelFormat::Rgba8, texture::Effort::Fast)
+    };
+    let (mut ktx2, mut dds) = (Vec::new(), Vec::new());
+    texture::write_ktx2(&mut ktx2, &texture, true).unwrap();
+    texture::write_dds(&mut dds, &texture).unwrap();
     vec![
         ("a.png", png_of(Samples::U8(rgb.clone()))),
         ("a.jpg", with(::image::ImageFormat::Jpeg)),
@@ -91,6 +98,8 @@ pub(super) fn samples_of_all_formats() -> Vec<(&'static str, Vec<u8>)> {
         ("a.hdr", hdr),
         ("a.tif", tiff),
         ("a.exr", exr_of(Size::new(9, 7), &[("R", Depth::Half), ("G", Depth::Float)], |_, c, y, x| (c + y + x) as f32)),
+        ("a.ktx2", ktx2),
+        ("a.dds", dds),
     ]
 }
 
@@ -103,7 +112,7 @@ fn tells_formats_by_content() {
         assert_eq!(decoded.bytes_len, bytes.len());
         decoded.format
     });
-    let expected = ["PNG", "JPEG", "TGA", "BMP", "WebP", "Radiance HDR", "TIFF", "OpenEXR"];
+    let expected = ["PNG", "JPEG", "TGA", "BMP", "WebP", "Radiance HDR", "TIFF", "OpenEXR", "KTX 2", "DDS"];
     assert_eq!(names.collect::<Vec<_>>(), expected);
 }
 

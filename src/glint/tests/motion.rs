@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::{Case, correlation, quantile, sample};
 use crate::glint::field::{even_variance, layer};
-use crate::glint::{BIWEIGHT_AREA, Probe, evaluator, pcg4d, unit};
+use crate::glint::{Probe, evaluator, pcg4d, unit};
 
 /// A direction of one's own for each sample.
 fn direction(n: u32) -> DVec2 {
