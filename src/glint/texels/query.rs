@@ -2,7 +2,7 @@
 
 use glam::{DVec2, DVec3, Vec2};
 
-use super::chance::{Chance, key};
+use super::chance::{Chance, Die};
 use super::element::stretched_lobe;
 use super::errors;
 use super::ways::{Range, Tails, Visits, Ways};
@@ -91,8 +91,7 @@ impl<'a> Query<'a> {
         let (x0, y0) = (x << level, y << level);
         let (x1, y1) = (((x + 1) << level).min(columns), ((y + 1) << level).min(rows));
         let half = 0.5 * DVec2::new((x1 - x0) as f64, (y1 - y0) as f64);
-        let first = origin + DVec2::new(x0 as f64, y0 as f64);
-        let centre = first + half;
+        let centre = origin + DVec2::new(x0 as f64, y0 as f64) + half;
         if self.footprint.misses(centre, half) {
             return 0.0;
         }
@@ -140,8 +139,8 @@ impl<'a> Query<'a> {
                 // Four points miss some of a kernel that bends, most where it ends.
                 let bent = 0.1 * (kernel - self.footprint.at(centre) * cells as f64).abs();
                 let error = kernel.max(around) * errors::block(mean, &range, widest, cells) + bent * mean;
-                let key = key(cell_key(first), level as u64);
-                return self.settle(error, (key, weight), |_| kernel * mean, below);
+                let die = Die::Block([x0 as u32, y0 as u32], level as u32);
+                return self.settle(error, (die, weight), |_| kernel * mean, below);
             }
         }
         below(self, weight)
@@ -179,9 +178,4 @@ impl<'a> Query<'a> {
         let lobes = [mean + a, mean - a, mean + b, mean - b].map(|s| stretched_lobe(self.seen(s), alpha, axes));
         (kernel * half.x * half.y, 0.25 * lobes.into_iter().sum::<f64>())
     }
-}
-
-/// Of a cell by its place, the same in every query.
-pub(super) fn cell_key(first: DVec2) -> u64 {
-    key(first.x as i64 as u64, first.y as i64 as u64)
 }
