@@ -127,7 +127,8 @@ impl TexelGlints {
     }
 
     /// D where the footprint is small, `folded` where it is large, and a blend between: see [`Transition`]. `folded` is
-    /// the D of the mip chain's lobe; it is called, and texels are visited, only where they have a share.
+    /// the D of the mip chain's lobe; it is called, and texels are visited, only where they have a share. A pixel that is
+    /// not finite gets `folded` alone, which keeps its energy.
     pub fn blended(
         &self,
         (uv, jacobian): (DVec2, DMat2),
@@ -135,7 +136,7 @@ impl TexelGlints {
         transition: Transition,
         folded: impl Fn(DVec3) -> f64,
     ) -> f64 {
-        let Some(footprint) = self.footprint(uv, jacobian) else { return 0.0 };
+        let Some(footprint) = self.footprint(uv, jacobian) else { return folded(h) };
         let share = transition.folded_share(footprint.width());
         let spiky = if share < 1.0 { (1.0 - share) * self.under(&footprint, h).0 } else { 0.0 };
         spiky + if share > 0.0 { share * folded(h) } else { 0.0 }
