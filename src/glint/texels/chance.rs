@@ -2,10 +2,16 @@
 //!
 //! What stands for a part of the map, a block's moments or a few points in a cell, is off by an amount of known size e
 //! (`texels/errors`: root mean square, measured). Of many parts only some are looked into, each with the probability
-//! `p = min(1, e / tau)`, and what it was off by counts `1 / p` times: a control variate under Russian roulette. So the
-//! expected sum is the exact one, with a variance of `sum of e tau (1 - p)` at a cost of `sum of e / tau`, which is the
-//! least for that variance. One tolerance tau serves all levels of the quadtree and the pieces of cells; tau = 0 is
-//! the exact sum.
+//! `p = min(1, e / tau)`, and what it was off by counts `1 / p` times: a control variate under Russian roulette. So for a
+//! given tolerance tau the expected sum is the exact one, whatever e is, with a variance of `sum of e tau (1 - p)` if e is
+//! right, at a cost of `sum of e / tau`, which is the least for that variance. One tolerance serves all levels of the
+//! quadtree and the pieces of cells; tau = 0 is the exact sum.
+//!
+//! The tolerance is not given but chosen, by sums with the same dice as the one that is returned: where those happen to
+//! be high, a larger tolerance is taken, or an earlier stop. The mean is then no longer that of the exact sum by
+//! construction; a shift was not seen among the dice of the tests (`tests/spread.rs`: within four deviations of a mean of
+//! 192 answers). Nor is the deviation kept: up to 1.3 times the variance asked for is accepted, after four more looks any,
+//! and the variance itself is an estimate by e.
 //!
 //! The dice are hashes of the parts alone: from one half vector or frame to the next the same parts are looked into, but
 //! for those whose p crosses their die, and these change the sum by about tau.
@@ -16,15 +22,15 @@ use super::query::Query;
 use super::ways::Visits;
 use crate::glint::hash::{pcg4d, unit};
 
-/// Standard deviation of a sum, over the sum.
+/// Standard deviation of a sum that is asked for, over the sum.
 pub(super) const SPREAD: f64 = 4.5e-3;
 /// Tolerance of the first look, over a rough guess of the sum.
 const FIRST: f64 = 0.02;
 /// Width of the pixel, in texels, below which every texel is looked into.
 const EXACT: f64 = 5.0;
-/// Looks after the first.
+/// Most looks after the first. The last is taken as it is.
 const LOOKS: usize = 4;
-/// Variance that is accepted, over the one asked for: another look for less costs more than it gains.
+/// Variance that is accepted, over the one asked for. Another look costs a whole sum.
 const ENOUGH: f64 = 1.3;
 
 /// Which die: of a block or of a piece of a cell, by its place on the map. Maps repeat, and so do their dice: a pixel
@@ -154,6 +160,10 @@ impl Query<'_> {
         let p = expected / tau;
         self.chance.variance += expected * tau * (1.0 - p);
         let estimate = estimate(self);
-        if unit(pcg4d(die.words(salt))[0]) >= p { estimate } else { estimate + (exact(self, weight / p) - estimate) / p }
+        if unit(pcg4d(die.words(salt))[0]) >= p {
+            estimate
+        } else {
+            estimate + (exact(self, weight / p) - estimate) / p
+        }
     }
 }

@@ -93,7 +93,9 @@ impl Query<'_> {
             let (twist, steepening) = (twist(&piece.p, alpha), steepening(&piece.p));
             let error = kernel * errors::triangles(twist, steepening, range, alpha);
             let closed = |query: &mut Self| query.triangles(piece, alpha);
-            query.settle(error, (piece.die(of, 2), weight), closed, |query, weight| query.divided(piece, depth, (of, weight)))
+            query.settle(error, (piece.die(of, 2), weight), closed, |query, weight| {
+                query.divided(piece, depth, (of, weight))
+            })
         })
     }
 

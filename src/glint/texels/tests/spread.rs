@@ -1,4 +1,4 @@
-//! What queries answer, most of it by estimates and dice, against exact sums.
+//! What queries answer, most of it by estimates and dice, against exact sums: what the documentation of `texels` says.
 
 use rayon::prelude::*;
 
@@ -6,85 +6,56 @@ use super::*;
 use crate::glint::texels::Tails;
 use crate::glint::texels::chance::SPREAD;
 
-/// Relative differences at pixels and half vectors all over a map: mean, root mean square, largest.
-fn differences(glints: &TexelGlints, width: f64, reach: f64, count: i64) -> [f64; 3] {
-    let j = jacobian((width, 0.8 * width), 0.4, glints.slopes().size());
-    let off: Vec<f64> = (0..count)
-        .map(|k| {
-            let r = |i| maps::noise(31, k, i);
-            let h = half_vector(reach * (2.0 * DVec2::new(r(0), r(1)) - 1.0));
-            let uv = DVec2::new(r(2), r(3));
-            let footprint = glints.footprint(uv, j).unwrap();
-            glints.ndf(uv, j, h) / ask(glints, &footprint, h, Ways::BEST).0 - 1.0
-        })
-        .collect();
-    let mean = |of: fn(f64) -> f64| off.iter().map(|d| of(*d)).sum::<f64>() / count as f64;
-    [mean(|d| d), mean(|d| d * d).sqrt(), off.iter().fold(0.0, |m, d| d.abs().max(m))]
+fn maps_and_reach(size: usize, steepest: f64) -> [(&'static str, ndarray::Array3<f32>, f64); 4] {
+    [
+        ("bumps", maps::bumps(size, 0.2), 0.2),
+        ("spikes", maps::spikes(size, 0.3), 0.3),
+        ("scratches", maps::scratches(size, 0.3), 0.2),
+        ("steep", maps::spikes(size, steepest), 0.6 * steepest),
+    ]
 }
 
+/// Relative difference of one answer from its exact sum, with other dice.
+fn off(glints: &TexelGlints, footprint: &Footprint, h: DVec3, salt: u32, exact: f64) -> f64 {
+    let mut query = Query::new(&glints.slopes, &glints.pyramid, footprint, h, Tails::Kept).unwrap();
+    query.chance.salt = salt;
+    query.evaluate().0 / exact - 1.0
+}
+
+/// The deviation over dice and places, and the mean, of what is answered: tolerances are chosen by sums with the same
+/// dice, which moves the mean by less than can be seen here.
 #[test]
 fn answers_are_spread_as_said() {
-    let mut squares = Vec::new();
-    for (name, map, reach) in [
-        ("bumps", maps::bumps(256, 0.2), 0.2),
-        ("spikes", maps::spikes(256, 0.3), 0.3),
-        ("scratches", maps::scratches(256, 0.3), 0.2),
-        ("steep", maps::spikes(256, 1.0), 0.6),
-    ] {
+    let dice = 24;
+    for (name, map, reach) in maps_and_reach(128, 1.0) {
         for alpha in [0.02, 0.1, 0.3] {
-            let [mean, rms, most] = differences(&glints(&map, alpha), 8.0, reach, 24);
-            println!("{name:9} {alpha:5}: mean {mean:8.1e} rms {rms:.1e} most {most:.1e}");
-            // The mean of 24 is within 3 of its own deviations of none.
-            assert!(mean.abs() < 0.7 * rms.max(SPREAD) && rms < 0.015 && most < 0.05, "{name} {alpha}");
-            squares.push(rms * rms);
-        }
-    }
-    let rms = (squares.iter().sum::<f64>() / squares.len() as f64).sqrt();
-    println!("all: rms {rms:.1e}");
-}
-
-/// The tolerance is chosen by sums with the same dice: the mean over dice, and the deviation, of what is answered.
-#[test]
-fn the_choice_of_a_tolerance_leaves_the_mean() {
-    let (mut means, mut squares) = (Vec::new(), Vec::new());
-    for (name, map, alpha, reach) in [
-        ("bumps", maps::bumps(64, 0.2), 0.05, 0.2),
-        ("spikes", maps::spikes(64, 0.3), 0.1, 0.3),
-        ("scratches", maps::scratches(64, 0.3), 0.1, 0.2),
-    ] {
-        let glints = glints(&map, alpha);
-        let j = jacobian((8.0, 6.0), 0.4, (64, 64));
-        for k in 0..3 {
-            let r = |i| maps::noise(81, k, i);
-            let h = half_vector(reach * (2.0 * DVec2::new(r(0), r(1)) - 1.0));
-            let footprint = glints.footprint(DVec2::new(r(2), r(3)), j).unwrap();
-            let exact = ask(&glints, &footprint, h, Ways::BEST).0;
-            let one = |salt: u32| {
-                let mut query = Query::new(&glints.slopes, &glints.pyramid, &footprint, h, Tails::Kept).unwrap();
-                query.chance.salt = salt;
-                query.evaluate().0 / exact - 1.0
+            let glints = glints(&map, alpha);
+            let j = jacobian((8.0, 6.4), 0.4, glints.slopes().size());
+            let place = |k: i64| -> Vec<f64> {
+                let r = |i| maps::noise(31, k, i);
+                let h = half_vector(reach * (2.0 * DVec2::new(r(0), r(1)) - 1.0));
+                let footprint = glints.footprint(DVec2::new(r(2), r(3)), j).unwrap();
+                let exact = ask(&glints, &footprint, h, Ways::BEST).0;
+                (0..dice).map(|salt| off(&glints, &footprint, h, salt, exact)).collect()
             };
-            let off: Vec<f64> = (0..300u32).into_par_iter().map(one).collect();
-            let mean = off.iter().sum::<f64>() / off.len() as f64;
-            let square = off.iter().map(|d| d * d).sum::<f64>() / off.len() as f64;
-            println!("{name:9} {k}: mean {mean:8.1e} rms {:.1e}", square.sqrt());
-            means.push(mean);
-            squares.push(square);
+            let all: Vec<Vec<f64>> = (0..8).into_par_iter().map(place).collect();
+            let all = all.concat();
+            let mean = |of: fn(f64) -> f64| all.iter().map(|d| of(*d)).sum::<f64>() / all.len() as f64;
+            let (bias, rms) = (mean(|d| d), mean(|d| d * d).sqrt());
+            println!("{name:9} {alpha:5}: mean {bias:8.1e} rms {rms:.1e}");
+            // Of 192 answers the mean is within 4 of its own deviations of none.
+            assert!(bias.abs() < 4.0 * rms / (all.len() as f64).sqrt(), "{name} {alpha}: {bias} {rms}");
+            let most = if name == "steep" { 0.02 } else { SPREAD };
+            assert!(rms < most, "{name} {alpha}: {rms}");
         }
     }
-    let mean = |of: &[f64]| of.iter().sum::<f64>() / of.len() as f64;
-    println!("all: mean {:8.1e} rms {:.1e}", mean(&means), mean(&squares).sqrt());
 }
 
-/// L1 differences over six half vectors of a pixel.
+/// L1 differences over six half vectors of a pixel, that of each map and width of the lobe.
 fn cases(width: f64) -> Vec<f64> {
     let mut all = Vec::new();
-    for (name, map, reach) in [
-        ("bumps", maps::bumps(128, 0.2), 0.3),
-        ("spikes", maps::spikes(128, 0.3), 0.3),
-        ("scratches", maps::scratches(128, 0.3), 0.3),
-        ("steep", maps::spikes(128, 1.5), 1.5),
-    ] {
+    for (name, map, _) in maps_and_reach(128, 1.5) {
+        let reach = if name == "steep" { 1.5 } else { 0.3 };
         for alpha in [0.005f32, 0.02, 0.1, 0.3] {
             let glints = glints(&map, alpha);
             let (uv, j) = (DVec2::new(0.37, 0.58), jacobian((width, width), 0.4, (128, 128)));
@@ -99,18 +70,23 @@ fn cases(width: f64) -> Vec<f64> {
             all.push(sum.x / sum.y);
         }
     }
+    println!("{} of {} below 0.005", all.iter().filter(|d| **d < 0.005).count(), all.len());
     all
+}
+
+/// The last two are lobes of alpha 0.1 and 0.3 on steep noise.
+fn are_as_documented(off: &[f64]) {
+    let (most, wide) = off.split_at(off.len() - 2);
+    assert!(most.iter().all(|d| *d < 0.005) && wide.iter().all(|d| *d < 0.04), "{off:?}");
 }
 
 #[test]
 fn differences_are_as_documented() {
-    let off = cases(16.0);
-    println!("{} of {} below 0.005", off.iter().filter(|d| **d < 0.005).count(), off.len());
+    are_as_documented(&cases(16.0));
 }
 
 #[test]
 #[ignore = "exact sums over 64 texels: a minute"]
 fn differences_of_wide_pixels_are_as_documented() {
-    let off = cases(64.0);
-    println!("{} of {} below 0.005", off.iter().filter(|d| **d < 0.005).count(), off.len());
+    are_as_documented(&cases(64.0));
 }
