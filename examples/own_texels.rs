@@ -62,6 +62,10 @@ fn main() -> mipfold::Result<()> {
         Some(sample) => (sample.make)(1024, 1).normal,
         None => read(map.as_ref())?.raster,
     };
+    if raster.channels.len() < 3 {
+        let found = format!("channels {}", raster.channels.join(", "));
+        return Err(mipfold::Error::invalid(map.as_ref(), found, "a normal map: red, green and blue"));
+    }
     let Size { width, height } = raster.size();
     let normals = Array3::from_shape_fn((height, width, 3), |(y, x, c)| {
         // 8 bit: 128 is flat, not 127.5.

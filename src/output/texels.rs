@@ -30,7 +30,8 @@ pub fn write_texels(out: impl Write + Seek, glints: &TexelGlints) -> std::io::Re
 /// The glints in such a file. They answer as those that were written do, bit by bit.
 ///
 /// # Errors
-/// No EXR file, or one without these channels, sizes and finite values.
+/// No EXR file, or one without these channels, sizes and finite values, or with ranges, variances or widths that no slopes
+/// have.
 pub fn read_texels(path: &Path) -> Result<TexelGlints> {
     let rasters = read_exr_levels(path)?;
     let names = &rasters[0].channels;
@@ -88,6 +89,41 @@ mod tests {
                 let (a, b) = (glints.ndf(uv, j, h), read.ndf(uv, j, h));
                 assert!(a > 0.0 && a.to_bits() == b.to_bits(), "{a} {b}");
             }
+        }
+    }
+
+    /// Files as they are written, but for one value: the channel, what it becomes on level 1, and the complaint.
+    #[test]
+    fn blocks_of_no_slopes_are_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("slopes.exr");
+        let glints = TexelGlints::new(&normals(), AlphaSource::Constant(Alpha(0.05))).unwrap();
+        let levels = glints.levels();
+        let channels = LEVEL_CHANNELS.map(|name| Channel { name: name.into(), depth: Depth::Float });
+        let write = |changed: &str, to: f32| {
+            let file = fs::File::create(&path).unwrap();
+            write_exr_covering(file, &channels, Size::new(37, 75), &|level, channel, y, x, row| {
+                row.iter_mut().enumerate().for_each(|(i, out)| {
+                    let here = level == 1 && [y, x + i] == [3, 2] && LEVEL_CHANNELS[channel] == changed;
+                    *out = if here { to } else { levels[level][[channel, y, x + i]] };
+                });
+            })
+            .unwrap();
+            read_texels(&path)
+        };
+        assert!(write("", 0.0).is_ok());
+        for (changed, to, complaint) in [
+            ("min.x", 9.0, "least slope"),
+            ("max.y", -9.0, "least slope"),
+            ("mean.x", 4.0, "mean slope"),
+            ("cov.yy", -1e-3, "variance is negative"),
+            ("cov.xy", 0.5, "covariance"),
+            ("alpha.min", 0.0, "widths"),
+            ("alpha.max", 0.01, "widths"),
+        ] {
+            let error = write(changed, to).unwrap_err().to_string();
+            let place = "level 1, row 3, column 2";
+            assert!(["slopes.exr", place, complaint].iter().all(|part| error.contains(part)), "{changed}: {error}");
         }
     }
 

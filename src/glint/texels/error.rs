@@ -12,10 +12,12 @@ pub enum InvalidTexels {
     /// A level is of another shape than the map's size makes it: its number, its channels, rows and columns, and those it
     /// should have.
     LevelShape(usize, [usize; 3], [usize; 3]),
-    /// The coarsest level is missing: levels, and those there should be.
+    /// Coarse levels are missing, or there are more than the size makes: levels, and those there should be.
     LevelCount(usize, usize),
     /// A level holds what is no finite number.
     NotFinite(usize),
+    /// A block cannot be of any slopes: its level, row and column, and what is wrong.
+    Block(usize, [usize; 2], &'static str),
 }
 
 impl fmt::Display for InvalidTexels {
@@ -32,6 +34,7 @@ impl fmt::Display for InvalidTexels {
             }
             Self::LevelCount(levels, count) => write!(f, "{levels} levels where the size makes {count}"),
             Self::NotFinite(k) => write!(f, "level {k} holds a value that is not finite"),
+            Self::Block(k, [row, column], what) => write!(f, "level {k}, row {row}, column {column}: {what}"),
         }
     }
 }

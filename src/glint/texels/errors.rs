@@ -22,6 +22,13 @@ pub(super) fn block(mean: f64, range: &Range, alpha: f64, cells: usize) -> f64 {
     spiky.min(0.0025 * highest * wide * root)
 }
 
+/// The integral over a block by its moments, for the kernel's change over it, times its area, and the lobe's going together:
+/// on smooth maps with wide lobes that is all there is.
+#[inline]
+pub(super) fn tilted(change: f64, mean: f64, range: &Range) -> f64 {
+    0.05 * change * mean * (range.extent / range.near).sqrt().min(1.0)
+}
+
 /// The mean over a cell away from h by half of this: what its nearest part may have.
 #[inline]
 pub(super) fn beside(range: &Range, alpha: f64) -> f64 {

@@ -40,7 +40,8 @@ impl TexelGlints {
         levels
     }
 
-    /// From what [`TexelGlints::levels`] gives.
+    /// From what [`TexelGlints::levels`] gives. Ranges, variances and widths that no slopes have are refused; whether the
+    /// blocks are those of these slopes is not looked into.
     pub fn from_levels(levels: &[Array3<f32>]) -> Result<Self, InvalidTexels> {
         let channels = LEVEL_CHANNELS.len();
         let (_, rows, columns) = levels.first().map_or((0, 0, 0), Array3::dim);
@@ -56,15 +57,20 @@ impl TexelGlints {
             if planes.iter().any(|v| !v.is_finite()) {
                 return Err(InvalidTexels::NotFinite(k));
             }
+            let level = Level::from_planes(planes.slice_axis(Axis(0), Slice::from(SLOPE_CHANNELS.len()..)));
+            for (n, block) in level.blocks().iter().enumerate() {
+                let place = [n / columns, n % columns];
+                block.check().map_err(|what| InvalidTexels::Block(k, place, what))?;
+            }
             if k > 0 {
-                blocks.push(Level::from_planes(planes.slice_axis(Axis(0), Slice::from(SLOPE_CHANNELS.len()..))));
+                blocks.push(level);
             }
             (rows, columns) = (rows.div_ceil(2), columns.div_ceil(2));
         }
-        // A map of one texel has a level 1 of one block too.
+        // A map of one texel has a level 1 of one block too, which a file may leave out.
         let side = levels[0].dim().1.max(levels[0].dim().2);
         let count = side.next_power_of_two().ilog2() as usize + 1;
-        if levels.len() < count {
+        if levels.len() < count || levels.len() > count.max(2) {
             return Err(InvalidTexels::LevelCount(levels.len(), count));
         }
         let slopes = SlopeMap::from_planes(levels[0].slice_axis(Axis(0), Slice::from(..SLOPE_CHANNELS.len())));

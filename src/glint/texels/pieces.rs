@@ -3,10 +3,10 @@
 use glam::{DVec2, DVec3};
 
 use super::Footprint;
-use super::chance::key;
+use super::chance::{Die, Path};
 use super::element::{fan, lobe, share};
 use super::errors;
-use super::query::{Query, cell_key};
+use super::query::Query;
 use super::ways::Range;
 
 /// Halvings of a cell.
@@ -19,13 +19,21 @@ struct Piece {
     half: f64,
     /// Widths of the lobe at the corners.
     alpha: [f64; 4],
+    /// Of which cell of the map.
+    cell: [u32; 2],
+}
+
+impl Piece {
+    #[inline]
+    fn die(&self, of: Path, k: u32) -> Die {
+        Die::Piece(self.cell, of.die(k))
+    }
 }
 
 impl Query<'_> {
     /// Integral over the cell between four texels.
     pub(super) fn cell(&mut self, (x, y): (usize, usize), origin: DVec2, weight: f64) -> f64 {
-        let first = origin + DVec2::new(x as f64, y as f64);
-        let centre = first + 0.5;
+        let centre = origin + DVec2::new(x as f64, y as f64) + 0.5;
         if self.footprint.misses(centre, DVec2::splat(0.5)) {
             return 0.0;
         }
@@ -36,11 +44,12 @@ impl Query<'_> {
         if Range::new(&p, 1.0 / widest).near > self.cut {
             return 0.0;
         }
-        self.piece(&Piece { p, centre, half: 0.5, alpha }, 0, (cell_key(first), weight))
+        let cell = [x as u32, y as u32];
+        self.piece(&Piece { p, centre, half: 0.5, alpha, cell }, 0, (Path::CELL, weight))
     }
 
     /// Integral over a piece of a cell.
-    fn piece(&mut self, piece: &Piece, depth: usize, (of, weight): (u64, f64)) -> f64 {
+    fn piece(&mut self, piece: &Piece, depth: usize, (of, weight): (Path, f64)) -> f64 {
         let Piece { p, half, alpha, .. } = piece;
         let (mean, uneven) = widths(alpha, self.ways.widening);
         let (range, ways) = (Range::new(p, 1.0 / mean), &self.ways);
@@ -60,7 +69,7 @@ impl Query<'_> {
         if range.near > 4.0 && range.extent > 4.0 * range.near {
             let error = kernel * errors::beside(&range, mean);
             let some = |_: &mut Self| 0.5 * error;
-            return self.settle(error, (key(of, 0), weight), some, |query, weight| {
+            return self.settle(error, (piece.die(of, 0), weight), some, |query, weight| {
                 query.at_points(piece, (&range, mean, kernel), depth, (of, weight))
             });
         }
@@ -73,32 +82,34 @@ impl Query<'_> {
         piece: &Piece,
         (range, alpha, kernel): (&Range, f64, f64),
         depth: usize,
-        (of, weight): (u64, f64),
+        (of, weight): (Path, f64),
     ) -> f64 {
         let error = kernel * errors::points(range, alpha);
         let points = |query: &mut Self| query.points(piece, alpha);
-        self.settle(error, (key(of, 1), weight), points, |query, weight| {
+        self.settle(error, (piece.die(of, 1), weight), points, |query, weight| {
             if query.straight(piece, alpha, range) {
                 return query.triangles(piece, alpha);
             }
             let (twist, steepening) = (twist(&piece.p, alpha), steepening(&piece.p));
             let error = kernel * errors::triangles(twist, steepening, range, alpha);
             let closed = |query: &mut Self| query.triangles(piece, alpha);
-            query.settle(error, (key(of, 2), weight), closed, |query, weight| query.divided(piece, depth, (of, weight)))
+            query.settle(error, (piece.die(of, 2), weight), closed, |query, weight| {
+                query.divided(piece, depth, (of, weight))
+            })
         })
     }
 
     /// Integral over the quarters of a piece.
-    fn divided(&mut self, piece: &Piece, depth: usize, (of, weight): (u64, f64)) -> f64 {
-        let Piece { p, centre, half, alpha } = piece;
+    fn divided(&mut self, piece: &Piece, depth: usize, (of, weight): (Path, f64)) -> f64 {
+        let Piece { p, centre, half, alpha, cell } = piece;
         let (p, alpha) = (quarters(p, |a, b| 0.5 * (a + b)), quarters(alpha, |a, b| 0.5 * (a + b)));
         let half = 0.5 * half;
         let mut sum = 0.0;
         for (k, to) in [(-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0)].into_iter().enumerate() {
             let centre = *centre + DVec2::from(to) * half;
             if !self.footprint.misses(centre, DVec2::splat(half)) {
-                let quarter = Piece { p: p[k], centre, half, alpha: alpha[k] };
-                sum += self.piece(&quarter, depth + 1, (key(of, 3 + k as u64), weight));
+                let quarter = Piece { p: p[k], centre, half, alpha: alpha[k], cell: *cell };
+                sum += self.piece(&quarter, depth + 1, (of.quarter(k as u32), weight));
             }
         }
         sum

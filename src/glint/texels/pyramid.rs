@@ -24,6 +24,30 @@ pub struct Block {
     pub alpha: [f32; 2],
 }
 
+impl Block {
+    /// What keeps a block from being one of any slopes, roundings aside.
+    pub(super) fn check(&self) -> Result<(), &'static str> {
+        let Self { min, max, mean, cov: [xx, xy, yy], alpha: [least, most] } = *self;
+        let off = Vec2::splat(1e-5) * (1.0 + mean.abs());
+        if min.cmpgt(max).any() {
+            return Err("the least slope is above the largest");
+        }
+        if mean.cmplt(min - off).any() || mean.cmpgt(max + off).any() {
+            return Err("the mean slope is not between the least and the largest");
+        }
+        if xx < 0.0 || yy < 0.0 {
+            return Err("a variance is negative");
+        }
+        if f64::from(xy).abs() > 1.0001 * (f64::from(xx) * f64::from(yy)).sqrt() + 1e-20 {
+            return Err("the covariance is larger than the variances allow");
+        }
+        if least <= 0.0 || least > most || most > 1.0 {
+            return Err("the widths are not above 0, up to 1 and in order");
+        }
+        Ok(())
+    }
+}
+
 /// One level of the pyramid: blocks by row, from the upper left.
 #[derive(Clone, Debug)]
 pub struct Level {

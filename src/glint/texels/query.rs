@@ -2,7 +2,7 @@
 
 use glam::{DVec2, DVec3, Vec2};
 
-use super::chance::{Chance, key};
+use super::chance::{Chance, Die};
 use super::element::stretched_lobe;
 use super::errors;
 use super::ways::{Range, Tails, Visits, Ways};
@@ -91,8 +91,7 @@ impl<'a> Query<'a> {
         let (x0, y0) = (x << level, y << level);
         let (x1, y1) = (((x + 1) << level).min(columns), ((y + 1) << level).min(rows));
         let half = 0.5 * DVec2::new((x1 - x0) as f64, (y1 - y0) as f64);
-        let first = origin + DVec2::new(x0 as f64, y0 as f64);
-        let centre = first + half;
+        let centre = origin + DVec2::new(x0 as f64, y0 as f64) + half;
         if self.footprint.misses(centre, half) {
             return 0.0;
         }
@@ -132,30 +131,34 @@ impl<'a> Query<'a> {
             // Not where even a dim estimate would be looked into.
             let dim = || errors::block(0.1 * guess, &range, widest, cells) * around;
             if few || (tau > 0.0 && weight * dim() < tau) {
-                let (kernel, mean) = self.moments(block, centre, half);
+                let (kernel, change, mean) = self.moments(block, centre, half);
                 if few || kernel == 0.0 {
                     return kernel * mean;
                 }
                 let mean = mean.min(errors::highest(&range, widest));
                 // Four points miss some of a kernel that bends, most where it ends.
                 let bent = 0.1 * (kernel - self.footprint.at(centre) * cells as f64).abs();
-                let error = kernel.max(around) * errors::block(mean, &range, widest, cells) + bent * mean;
-                let key = key(cell_key(first), level as u64);
-                return self.settle(error, (key, weight), |_| kernel * mean, below);
+                let tilted = errors::tilted(change * cells as f64, mean, &range);
+                let error = kernel.max(around) * errors::block(mean, &range, widest, cells) + bent * mean + tilted;
+                let die = Die::Block([x0 as u32, y0 as u32], level as u32);
+                return self.settle(error, (die, weight), |_| kernel * mean, below);
             }
         }
         below(self, weight)
     }
 
-    /// A block by its moments: the kernel over it, and the mean of four lobes with, together, the mean and covariance of
-    /// its slopes. What of the covariance is less than the lobe's own width, or than the distance of h, is between their
+    /// A block by its moments: the kernel over it, by how much it changes there, and the mean of four lobes with, together,
+    /// the mean and covariance of its slopes. What of the covariance is less than the lobe's own width, or than the distance of h, is between their
     /// normals, the rest in their widths.
-    fn moments(&mut self, block: &Block, centre: DVec2, half: DVec2) -> (f64, f64) {
+    fn moments(&mut self, block: &Block, centre: DVec2, half: DVec2) -> (f64, f64, f64) {
         self.visits.points += 1;
-        let kernel: f64 = Footprint::nodes(centre, half).iter().map(|x| self.footprint.at(*x)).sum();
+        let nodes = Footprint::nodes(centre, half).map(|x| self.footprint.at(x));
+        let kernel = nodes.iter().sum::<f64>();
         if kernel == 0.0 {
-            return (0.0, 0.0);
+            return (0.0, 0.0, 0.0);
         }
+        let [a, b, c, d] = nodes;
+        let change = a.max(b).max(c.max(d)) - a.min(b).min(c.min(d));
         let alpha = 0.5 * f64::from(block.alpha[0] + block.alpha[1]);
         let ([xx, xy, yy], mean) = (block.cov.map(f64::from), block.mean.as_dvec2());
         // Cholesky, the larger diagonal first.
@@ -177,11 +180,6 @@ impl<'a> Query<'a> {
         let axes = [a, b].map(|v| frame(v) * (2.0 * wide).sqrt());
         let (a, b) = (a * step, b * step);
         let lobes = [mean + a, mean - a, mean + b, mean - b].map(|s| stretched_lobe(self.seen(s), alpha, axes));
-        (kernel * half.x * half.y, 0.25 * lobes.into_iter().sum::<f64>())
+        (kernel * half.x * half.y, change, 0.25 * lobes.into_iter().sum::<f64>())
     }
-}
-
-/// Of a cell by its place, the same in every query.
-pub(super) fn cell_key(first: DVec2) -> u64 {
-    key(first.x as i64 as u64, first.y as i64 as u64)
 }

@@ -4,6 +4,7 @@ mod accuracy;
 mod brute;
 mod continuity;
 mod cost;
+mod dice;
 mod hostile;
 mod maps;
 mod pruning;

@@ -8,7 +8,7 @@ use super::brute::Brute;
 use super::*;
 use crate::glint::texels::Pyramid;
 
-/// Half vectors on a grid of slopes, and D there by both.
+/// Half vectors on a grid of slopes, and D there by both, the exact sum and the definition.
 struct Compared {
     /// Sum of |difference| over sum of truth.
     l1: f64,
@@ -34,7 +34,9 @@ fn compared(glints: &TexelGlints, width: (f64, f64), centre: DVec2, reach: f64, 
     let truth: Vec<f64> = half.iter().map(|h| brute.ndf(*h)).collect();
     let (sum, most) = (truth.iter().sum::<f64>(), truth.iter().copied().fold(0.0, f64::max));
     let (mut off, mut worst, mut relative) = (0.0, 0.0f64, 0.0f64);
-    for (d, truth) in glints.ndf_many(uv, j, &half).into_iter().zip(truth) {
+    let footprint = glints.footprint(uv, j).unwrap();
+    let sums: Vec<f64> = half.par_iter().map(|h| ask(glints, &footprint, *h, Ways::BEST).0).collect();
+    for (d, truth) in sums.into_iter().zip(truth) {
         off += (d - truth).abs();
         worst = worst.max((d - truth).abs());
         if truth > 1e-3 * most {
@@ -50,32 +52,44 @@ fn dense(alpha: f32, steepness: f64, width: f64) -> usize {
     (fit.min(800.0 / width).ceil()) as usize
 }
 
-#[test]
-fn agrees_with_brute_force() {
+/// Widths of the lobe and of the pixel.
+type Case = (f32, (f64, f64));
+
+fn agrees(cases: &[Case]) {
     for (name, steepness, map) in [
         ("bumps", 0.2, maps::bumps(64, 0.2)),
         ("spikes", 0.3, maps::spikes(64, 0.3)),
         ("scratches", 0.3, maps::scratches(64, 0.3)),
     ] {
-        for (alpha, width) in [
-            (0.005, (1.0, 1.0)),
-            (0.02, (1.0, 0.5)),
-            (0.005, (4.0, 4.0)),
-            (0.02, (4.0, 1.0)),
-            (0.1, (4.0, 4.0)),
-            (0.02, (16.0, 16.0)),
-            (0.1, (16.0, 4.0)),
-            (0.4, (16.0, 16.0)),
-        ] {
+        for &(alpha, width) in cases {
             let glints = glints(&map, alpha);
             let c = compared(&glints, width, DVec2::ZERO, steepness * 1.5, dense(alpha, steepness, width.0));
             println!(
                 "{name:9} alpha {alpha:5} {width:?}: L1 {:.1e} worst {:.1e} relative {:.1e}",
                 c.l1, c.worst, c.relative
             );
-            assert!(c.l1 < 0.01 && c.worst < 0.01 && c.relative < 0.3, "{name} {alpha} {width:?}");
+            // As the documentation of `texels` has it.
+            assert!(c.l1 < 0.003 && c.worst < 0.004 && c.relative < 0.3, "{name} {alpha} {width:?}");
         }
     }
+}
+
+#[test]
+fn agrees_with_brute_force() {
+    agrees(&[(0.02, (1.0, 0.5)), (0.1, (4.0, 4.0))]);
+}
+
+#[test]
+#[ignore = "dense sums: minutes"]
+fn agrees_with_denser_brute_force() {
+    agrees(&[
+        (0.005, (1.0, 1.0)),
+        (0.005, (4.0, 4.0)),
+        (0.02, (4.0, 1.0)),
+        (0.02, (16.0, 16.0)),
+        (0.1, (16.0, 4.0)),
+        (0.4, (16.0, 16.0)),
+    ]);
 }
 
 #[test]
@@ -144,17 +158,28 @@ fn energy(glints: &TexelGlints, uv: DVec2, j: glam::DMat2, ways: Ways, (rings, t
     nodes.par_iter().map(|(h, w)| w * ask(glints, &footprint, *h, ways).0).sum::<f64>() / nodes.len() as f64
 }
 
-#[test]
-fn energy_is_whole() {
+fn is_whole(cases: &[(f32, f64)], nodes: (usize, usize)) {
     for (name, map) in
         [("bumps", maps::bumps(64, 0.15)), ("spikes", maps::spikes(64, 0.25)), ("scratches", maps::scratches(64, 0.3))]
     {
-        for (alpha, width) in [(0.05, 4.0), (0.1, 16.0), (0.3, 1.0)] {
+        for &(alpha, width) in cases {
             let glints = glints(&map, alpha);
             let j = jacobian((width, 0.6 * width), 0.7, (64, 64));
-            let e = energy(&glints, DVec2::new(0.41, 0.77), j, Ways::BEST, (60, 80));
+            let e = energy(&glints, DVec2::new(0.41, 0.77), j, Ways::BEST, nodes);
             println!("{name:9} alpha {alpha:4} width {width:4}: energy {e:.5}");
-            assert!((e - 1.0).abs() < 1e-3, "{name} alpha {alpha} width {width}: {e}");
+            // As the documentation of `texels` has it.
+            assert!((e - 1.0).abs() < 5e-4, "{name} alpha {alpha} width {width}: {e}");
         }
     }
+}
+
+#[test]
+fn energy_is_whole() {
+    is_whole(&[(0.1, 4.0), (0.3, 1.0)], (48, 48));
+}
+
+#[test]
+#[ignore = "narrow lobes and wide pixels: a minute"]
+fn energy_is_whole_of_narrow_lobes_and_wide_pixels() {
+    is_whole(&[(0.05, 4.0), (0.1, 16.0)], (60, 80));
 }

@@ -84,3 +84,73 @@ fn the_map_is_the_right_way_up() {
     assert!(there > 100.0 * elsewhere, "{there} {elsewhere}");
     assert_eq!(glints.ndf(at + DVec2::new(3.0, -5.0), j, n.as_dvec3()), there);
 }
+
+/// What a file may hold that no map has.
+#[test]
+fn levels_of_no_slopes_are_refused() {
+    use crate::glint::texels::LEVEL_CHANNELS;
+
+    let levels = glints(&maps::spikes(13, 0.3), 0.05).levels();
+    assert!(TexelGlints::from_levels(&levels).is_ok());
+    let changed = |k: usize, channel: &str, to: f32| {
+        let mut levels = levels.clone();
+        let c = LEVEL_CHANNELS.iter().position(|name| *name == channel).unwrap();
+        let (_, rows, columns) = levels[k].dim();
+        levels[k][[c, rows - 1, columns - 1]] = to;
+        TexelGlints::from_levels(&levels).map(|_| ()).unwrap_err()
+    };
+    for (k, size) in [13, 7, 4, 2, 1].into_iter().enumerate() {
+        for (channel, to, part) in [
+            ("min.x", 9.0, "least"),
+            ("max.y", -9.0, "least"),
+            ("mean.y", 1.0, "mean"),
+            ("cov.xx", -1e-6, "negative"),
+            ("cov.yy", -1e-6, "negative"),
+            ("cov.xy", 1.0, "covariance"),
+            ("alpha.min", 0.0, "widths"),
+            ("alpha.min", -0.1, "widths"),
+            ("alpha.max", 0.04, "widths"),
+            ("alpha.max", 1.5, "widths"),
+        ] {
+            match changed(k, channel, to) {
+                InvalidTexels::Block(level, place, what) => {
+                    assert_eq!((level, place), (k, [size - 1; 2]));
+                    assert!(what.contains(part), "{channel} {to}: {what}");
+                }
+                other => panic!("{channel} {to}: {other}"),
+            }
+        }
+        assert_eq!(changed(k, "cov.xy", f32::NAN), InvalidTexels::NotFinite(k));
+    }
+    let mut more = levels.clone();
+    more.push(levels[4].clone());
+    assert_eq!(TexelGlints::from_levels(&more).unwrap_err(), InvalidTexels::LevelCount(6, 5));
+    assert_eq!(TexelGlints::from_levels(&levels[..4]).unwrap_err(), InvalidTexels::LevelCount(4, 5));
+}
+
+/// Maps of all kinds pass, those of one texel with and without their one block.
+#[test]
+fn levels_of_maps_are_taken() {
+    let single = Array3::from_shape_vec((1, 1, 3), vec![0.1, 0.2, 0.9]).unwrap();
+    // Steps that vanish beside the slope, and slopes at the limit.
+    let nearly = Array3::from_shape_fn((9, 6, 3), |(y, x, c)| [3.0 + 1e-6 * x as f32, 1e-20 * y as f32, 1.0][c]);
+    let cliffs = Array3::from_shape_fn((6, 9, 3), |(y, x, c)| [(x % 2) as f32 * 9.0, y as f32, 1e-9][c]);
+    for map in [&single, &nearly, &cliffs, &maps::flat(5, DVec2::ONE), &maps::scratches(33, 2.0)] {
+        for alpha in [0.0, 0.3, 2.0] {
+            let levels = glints(map, alpha).levels();
+            TexelGlints::from_levels(&levels).unwrap();
+            if map.dim().0 == 1 {
+                TexelGlints::from_levels(&levels[..1]).unwrap();
+            }
+        }
+    }
+}
+
+#[test]
+fn a_pixel_that_is_no_pixel_gets_the_folded_lobe() {
+    let glints = glints(&maps::spikes(8, 0.3), 0.1);
+    let blended = |uv, j| glints.blended((uv, j), DVec3::Z, Default::default(), |h| 7.0 * h.z);
+    assert_eq!(blended(DVec2::ZERO, DMat2::IDENTITY * f64::NAN), 7.0);
+    assert_eq!(blended(DVec2::new(f64::INFINITY, 0.0), DMat2::IDENTITY), 7.0);
+    assert!(blended(DVec2::ZERO, DMat2::IDENTITY * 0.1) != 7.0);
+}
