@@ -33,7 +33,8 @@ fn bumps(x: usize, y: usize) -> DVec2 {
 fn texels(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("texels");
     group.sample_size(10);
-    let maps: [(&str, fn(usize, usize) -> DVec2); 2] = [("bumps", bumps), ("spikes", spikes)];
+    type Map = fn(usize, usize) -> DVec2;
+    let maps: [(&str, Map); 2] = [("bumps", bumps), ("spikes", spikes)];
     for (name, slope) in maps {
         let normals = Array3::from_shape_fn((SIDE, SIDE, 3), |(y, x, c)| {
             let s = slope(x, y);

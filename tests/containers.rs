@@ -113,3 +113,29 @@ fn three_reads_our_ktx_2_files_byte_for_byte() {
     }
     assert_eq!(count, 40);
 }
+
+/// A chain as an engine would load it, normals in BC5 in a KTX 2, the packed map in BC7 in a DDS, is judged all but like its
+/// PNGs.
+#[test]
+fn compressed_chains_are_judged() {
+    let desk = common::desk::Desk::new();
+    common::png8(&desk.at("orm.png"), (64, 64), |x, y| vec![255, (60 + x + y) as u8, 0]);
+    desk.build("out", "--normal @n.png --orm @orm.png");
+    let texture =
+        |stem: &str, format| Texture::encode(&common::png_levels(&desk.at("out"), stem), format, Effort::Slow);
+    let file = |name: &str| std::fs::File::create(desk.at(name)).unwrap();
+    write_ktx2(file("n.ktx2"), &texture("n", TexelFormat::Bc5), true).unwrap();
+    write_dds(file("orm.dds"), &texture("orm", TexelFormat::Bc7)).unwrap();
+    let args =
+        "compare @out normal=@n.ktx2,roughness=@orm.dds:g --texels 16 --directions 16 --no-plain --no-motion --json";
+    let run = common::mipfold().args(desk.args(args)).output().unwrap();
+    assert_eq!(run.status.code(), Some(0), "{}", String::from_utf8_lossy(&run.stderr));
+    let report: Value = serde_json::from_slice(&run.stdout).unwrap();
+    let error =
+        |chain: usize, level: usize| report["chains"][chain]["levels"][level]["lobe_error"]["mean"].as_f64().unwrap();
+    assert_eq!(report["chains"][1]["levels"].as_array().unwrap().len(), 7);
+    for level in 1..5 {
+        let (png, compressed) = (error(0, level), error(1, level));
+        assert!((compressed - png).abs() < 0.1 && compressed != png, "level {level}: {compressed} for {png}");
+    }
+}

@@ -89,11 +89,15 @@ impl<'a> Subject<'a> {
             });
         }
         let height = match &inputs.height {
-            Some(path) => {
-                let decoded = read(path)?;
-                let (file, raster) = (name(path), Cow::Owned(decoded.raster));
-                Some(Picture { file, raster, format: decoded.format, notes: decoded.notes, roles: &[], signed: false })
-            }
+            Some(path) => match read(path) {
+                Ok(decoded) => {
+                    let (file, raster, format) = (name(path), Cow::Owned(decoded.raster), decoded.format);
+                    Some(Picture { file, raster, format, notes: decoded.notes, roles: &[], signed: false })
+                }
+                // Beside a normal map nothing else needs it.
+                Err(_) if inputs.normal.is_some() => None,
+                Err(error) => return Err(error),
+            },
             None => None,
         };
         let mut subject = Self { inputs, material, pictures, height, found: material.inspect() };

@@ -94,7 +94,7 @@ impl Files {
             let size = pictures[0].raster.size();
             if pictures.len() == 1 && size.level_count() > 1 {
                 let found = format!("one {} picture of {size}, without further levels", pictures[0].format);
-                let expected = "a pattern with %d for one file a level, as wall_%d.png, or a mip-mapped OpenEXR file";
+                let expected = "a pattern with %d for one file a level, as wall_%d.png, or a file with mips: OpenEXR, KTX 2 or DDS";
                 return Err(Error::invalid(path, found, expected));
             }
             return Ok(Files::One(pictures));

@@ -182,7 +182,8 @@ mod tests {
             over(&render_glints(&scene, &levels, 192, Sampling::mips(1), &glints), &smooth)
         };
         for name in ["field", "binomial"] {
-            let (dense, thin) = (deviation(None, name, 1e7), deviation(Some(Pairs::new(&[thin.clone()])), name, 1e7));
+            let (dense, thin) =
+                (deviation(None, name, 1e7), deviation(Some(Pairs::new(std::slice::from_ref(&thin))), name, 1e7));
             assert!((thin.0 / dense.0 - 1.0).abs() < 0.05, "{name}: means {} {}", thin.0, dense.0);
             assert!((thin.1 / dense.1 / 5.0 - 1.0).abs() < 0.1, "{name}: deviations {} {}", thin.1, dense.1);
         }

@@ -21,13 +21,14 @@ const HEADER: usize = 124;
 /// Writes a DDS file with a DX10 header: one 2D texture with its levels, largest first, without gaps.
 ///
 /// # Errors
-/// Whatever `out` returns; [`io::ErrorKind::Unsupported`] if a row, or level 0 in blocks, has 2^32 bytes or more.
+/// Whatever `out` returns; [`io::ErrorKind::Unsupported`] if a row has 2^32 bits or more, or level 0 in blocks 2^32 bytes.
 pub fn write_dds(mut out: impl Write, texture: &Texture) -> io::Result<()> {
     let Texture { size, format, levels } = texture;
     let too_large = |_| io::Error::new(io::ErrorKind::Unsupported, format!("DDS cannot hold {size} texels"));
     let blocks = format.block_side() > 1;
     let row = size.width.div_ceil(format.block_side()) * format.block_bytes();
-    u32::try_from(if blocks { format.bytes(*size) } else { row }).map_err(too_large)?;
+    // Rows in bits: the crate multiplies them in 32.
+    u32::try_from(if blocks { format.bytes(*size) } else { 8 * row }).map_err(too_large)?;
     let mut header = Header::new_dxgi(
         size.height.try_into().map_err(too_large)?,
         size.width.try_into().map_err(too_large)?,

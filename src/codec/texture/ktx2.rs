@@ -287,7 +287,8 @@ fn levels<'a>(
 /// Several frames may follow each other.
 fn unpack_zstd(source: &Source, level: usize, mut data: &[u8], length: usize) -> Result<Vec<u8>> {
     let fail = |why: &dyn std::fmt::Display| source.broken(format!("Zstandard data of level {level}: {why}"));
-    let mut unpacked = Vec::with_capacity(length);
+    let mut unpacked = Vec::new();
+    unpacked.try_reserve_exact(length).map_err(|_| source.unsupported(format!("a level of {length} bytes"), "less"))?;
     while unpacked.len() < length && !data.is_empty() {
         let mut frame = StreamingDecoder::new(&mut data).map_err(|error| fail(&error))?;
         // One byte more, to see whether there is more.
