@@ -30,10 +30,10 @@ pub fn write(
     write_with(material, chain, options, plan, request, &[], done)
 }
 
-/// [`write`], with the files of [`Request::pictures`] beside the maps.
+/// [`write()`], with the files of [`Request::pictures`] beside the maps.
 ///
 /// # Errors
-/// As [`write`]; and another number of pictures than names.
+/// As [`write()`]; and another number of pictures than names.
 pub fn write_with(
     material: &Material,
     chain: &Chain,
