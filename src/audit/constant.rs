@@ -1,7 +1,7 @@
 //! Maps that hold one value.
 
 use super::stats::Stats;
-use super::{Check, Finding, Severity, Subject, colour};
+use super::{Check, Finding, Severity, Subject};
 use crate::material::Role;
 
 /// Constants.
@@ -43,7 +43,7 @@ fn roughness(subject: &Subject) -> Option<Finding> {
         check: CHECK.name,
         severity: Severity::Note,
         map: width.picture.file.clone(),
-        channel: (width.picture.roles.len() > 1).then(|| colour(width.channel)),
+        channel: width.channel_name(),
         evidence,
         confidence: if constant { 0.9 } else { 0.5 },
         fix: format!(

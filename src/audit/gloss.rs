@@ -1,8 +1,8 @@
 //! Roughness that is gloss, or the other way round.
 
 use super::stats::correlation;
-use super::subject::bands;
-use super::{Check, Finding, Severity, Subject, Width, colour};
+use super::subject::{STEEPEST_Z, bands};
+use super::{Check, Finding, Severity, Subject};
 use crate::material::{Inputs, RoughnessInput, Texels, named_smooth};
 
 /// Complements.
@@ -28,7 +28,7 @@ fn run(subject: &Subject) -> Vec<Finding> {
             check: CHECK.name,
             severity,
             map: width.picture.file.clone(),
-            channel: channel(&width),
+            channel: width.channel_name(),
             evidence,
             confidence,
             fix: format!("if it is {other}, give it with {flag}"),
@@ -41,10 +41,6 @@ fn run(subject: &Subject) -> Vec<Finding> {
         (false, true) => finding(Severity::Note, measured, (0.2 - 0.4 * (bumps - AGAINST)).min(0.45)),
         (false, false) => vec![],
     }
-}
-
-fn channel(width: &Width) -> Option<&'static str> {
-    (width.picture.raster.channels.len() > 1).then(|| colour(width.channel))
 }
 
 /// The file, where its name speaks for the channel that is read.
@@ -78,7 +74,7 @@ pub fn against(subject: &Subject) -> f64 {
                 for (i, block) in blocks.iter_mut().enumerate() {
                     for x in i * BLOCK..(i + 1) * BLOCK {
                         // Clamped to 85 degrees.
-                        let scale = coverage[x] / nz[x].max(0.0871);
+                        let scale = coverage[x] / nz[x].max(STEEPEST_Z);
                         let (p, q) = (nx[x] * scale, ny[x] * scale);
                         block[0] += coverage[x];
                         block[1] += p;

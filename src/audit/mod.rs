@@ -182,8 +182,3 @@ fn percent(share: f64) -> String {
         format!("{percent:.1e} %")
     }
 }
-
-/// A channel in the words of artists.
-fn colour(channel: usize) -> &'static str {
-    ["red", "green", "blue", "alpha"].get(channel).unwrap_or(&"further")
-}

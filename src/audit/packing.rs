@@ -1,7 +1,8 @@
 //! Channels of packed maps that seem to hold something else.
 
 use super::stats::Stats;
-use super::{Check, Finding, Severity, Subject, colour, percent};
+use super::{Check, Finding, Severity, Subject, percent};
+use crate::material::colour;
 
 /// Swapped channels.
 pub const CHECK: Check = Check {
@@ -40,7 +41,7 @@ fn run(subject: &Subject) -> Vec<Finding> {
             check: CHECK.name,
             severity,
             map: width.picture.file.clone(),
-            channel: (raster.channels.len() > 1).then(|| colour(width.channel)),
+            channel: width.channel_name(),
             evidence,
             confidence,
             fix,

@@ -2,7 +2,7 @@
 
 use super::stats::Stats;
 use super::subject::bands;
-use super::{Check, Finding, Normals, Severity, Subject, colour, percent};
+use super::{Check, Finding, Normals, Severity, Subject, percent};
 use crate::image::Samples;
 use crate::material::{Role, Texels};
 
@@ -152,7 +152,7 @@ fn terraces(subject: &Subject) -> Option<Finding> {
         check: CHECK.name,
         severity: Severity::Note,
         map: width.picture.file.clone(),
-        channel: (width.picture.roles.len() > 1).then(|| colour(width.channel)),
+        channel: width.channel_name(),
         evidence: format!("only {distinct} different values from {:.2} to {:.2}", stats.min, stats.max),
         confidence: if width.picture.roles.contains(&Role::NormalX) { 0.3 } else { 0.5 },
         fix: "export it at 8 bits or more without a palette, unless the terraces are meant".into(),

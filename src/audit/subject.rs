@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use crate::error::Result;
 use crate::image::{Raster, Size};
-use crate::material::{Findings, Inputs, Material, NormalY, NormalZ, Origin, ReadPicture, Role};
+use crate::material::{Findings, Inputs, Material, NormalY, NormalZ, Origin, ReadPicture, Role, colour};
 
 /// One picture of the set.
 pub struct Picture<'a> {
@@ -68,6 +68,13 @@ pub struct Width<'a> {
     pub channel: usize,
     /// Whether it is gloss.
     pub smooth: bool,
+}
+
+impl Width<'_> {
+    /// The channel in words, where the picture has several.
+    pub fn channel_name(&self) -> Option<&'static str> {
+        (self.picture.raster.channels.len() > 1).then(|| colour(self.channel))
+    }
 }
 
 impl<'a> Subject<'a> {

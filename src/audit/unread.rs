@@ -1,8 +1,9 @@
 //! Channels that hold something and are read for nothing.
 
 use super::stats::Stats;
-use super::{Check, Finding, Severity, Subject, colour};
+use super::{Check, Finding, Severity, Subject};
 use crate::material::Role;
+use crate::material::colour;
 
 /// Alpha and further channels.
 pub const CHECK: Check =

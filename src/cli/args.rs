@@ -1,6 +1,7 @@
 //! The command line's words.
 
 use std::path::PathBuf;
+use std::str::FromStr;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
@@ -346,9 +347,13 @@ pub fn fold_name(name: &str) -> Result<&'static Fold, String> {
     })
 }
 
-fn number(text: &str, ok: impl Fn(f32) -> bool, expected: &str) -> Result<f32, String> {
-    let value: f32 = text.parse().map_err(|_| format!("expected {expected}"))?;
-    if value.is_finite() && ok(value) { Ok(value) } else { Err(format!("expected {expected}")) }
+/// A finite number, `f32` or `f64`.
+pub fn number<T>(text: &str, ok: impl Fn(T) -> bool, expected: &str) -> Result<T, String>
+where
+    T: FromStr + Copy + Into<f64>,
+{
+    let value = text.parse().ok().filter(|value: &T| (*value).into().is_finite() && ok(*value));
+    value.ok_or_else(|| format!("expected {expected}"))
 }
 
 /// `1024` or `1024x512`.
@@ -361,7 +366,7 @@ fn size(text: &str) -> Result<Size, String> {
 }
 
 fn degrees(text: &str) -> Result<f64, String> {
-    number(text, |v| (0.0..=180.0).contains(&v), "an angle from 0 to 180 degrees").map(f64::from)
+    number(text, |v: f32| (0.0..=180.0).contains(&v), "an angle from 0 to 180 degrees").map(f64::from)
 }
 
 fn positive(text: &str) -> Result<f32, String> {

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::args::{ContainerArgs, FoldArgs, MapArgs, ReadingArgs, fold_list};
+use super::args::{ContainerArgs, FoldArgs, MapArgs, ReadingArgs, entry, fold_list, number};
 use crate::error::{self, Error};
 use crate::glint::{EVALUATORS, Evaluator, evaluator};
 use crate::image::{Size, Wrap};
@@ -123,7 +123,7 @@ impl FlakeArgs {
 }
 
 fn glint_help() -> String {
-    let ways: Vec<_> = EVALUATORS.iter().map(|way| super::args::entry(way.name, way.about)).collect();
+    let ways: Vec<_> = EVALUATORS.iter().map(|way| entry(way.name, way.about)).collect();
     format!("Ways to count flakes:\n{}\n\n{}", ways.join("\n"), fold_list())
 }
 
@@ -134,16 +134,12 @@ fn evaluator_name(name: &str) -> Result<&'static Evaluator, String> {
     })
 }
 
-fn number(text: &str, ok: impl Fn(f64) -> bool, expected: &str) -> Result<f64, String> {
-    text.parse().ok().filter(|v: &f64| v.is_finite() && ok(*v)).ok_or_else(|| format!("expected {expected}"))
-}
-
 fn many(text: &str) -> Result<f64, String> {
     number(text, |v| (1.0..=1e12).contains(&v), "a number from 1 to 1e12")
 }
 
 fn flake_roughness(text: &str) -> Result<f32, String> {
-    number(text, |v| (0.01..=1.0).contains(&v), "a number from 0.01 to 1").map(|v| v as f32)
+    number(text, |v| (0.01..=1.0).contains(&v), "a number from 0.01 to 1")
 }
 
 fn variation(text: &str) -> Result<f64, String> {
@@ -159,7 +155,7 @@ fn streak(text: &str) -> Result<f64, String> {
 }
 
 fn degrees(text: &str) -> Result<f64, String> {
-    number(text, |v| v.abs() <= 360.0, "an angle from -360 to 360 degrees")
+    number(text, |v: f64| v.abs() <= 360.0, "an angle from -360 to 360 degrees")
 }
 
 fn lamp(text: &str) -> Result<f64, String> {

@@ -3,7 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use super::NormalY;
-use super::names::{EXTENSIONS, Kind, common_name, convention, meaning_of};
+use super::detect::is_picture;
+use super::names::{Kind, common_name, convention, meaning_of};
 
 /// The height map of the same set as a map: the only one in its folder with the same common name.
 pub fn height_beside(map: &Path) -> Option<PathBuf> {
@@ -11,9 +12,7 @@ pub fn height_beside(map: &Path) -> Option<PathBuf> {
     let common = common_name(&meaning(map)?.material);
     let folder = map.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let is_height = |path: &PathBuf| {
-        let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
-        EXTENSIONS.contains(&extension.as_str())
-            && meaning(path).is_some_and(|m| m.kind == Kind::Height && common_name(&m.material) == common)
+        is_picture(path) && meaning(path).is_some_and(|m| m.kind == Kind::Height && common_name(&m.material) == common)
     };
     let mut found = std::fs::read_dir(folder).ok()?.flatten().map(|entry| entry.path()).filter(is_height);
     found.next().filter(|_| found.next().is_none())

@@ -108,7 +108,7 @@ fn join_resolutions(sets: Vec<(String, Vec<Candidate>)>) -> Vec<(String, Vec<Can
     joined
 }
 
-fn is_picture(path: &Path) -> bool {
+pub(super) fn is_picture(path: &Path) -> bool {
     let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
     path.is_file() && EXTENSIONS.contains(&extension.as_str())
 }

@@ -7,6 +7,7 @@
 use ndarray::{Array2, Array3, Axis};
 use serde::{Deserialize, Serialize};
 
+use super::inputs::LETTERS;
 use super::{ChannelRef, ReadPicture, resample};
 use crate::error::{Error, Result};
 use crate::glint::{FlakeDensity, Flakes, SolidAngle, Streak, Tail};
@@ -123,8 +124,8 @@ fn read_plane(channel: &ChannelRef, role: &str, read: ReadPicture) -> Result<(Ar
     let decoded = read(&channel.path)?;
     let raster = &decoded.raster;
     let count = raster.samples.channels();
-    let index = channel.channel.unwrap_or(if count >= 3 { 1 } else { 0 });
-    let letter = ["r", "g", "b", "a"].get(index).copied().unwrap_or("r");
+    let index = channel.index(count);
+    let letter = LETTERS.get(index).copied().unwrap_or("r");
     if index >= count {
         let found = format!("{count} channel{}", if count == 1 { "" } else { "s" });
         return Err(Error::invalid(&channel.path, found, format!("a channel {letter} with the flakes' {role}")));

@@ -16,11 +16,24 @@ pub struct ChannelRef {
     pub channel: Option<usize>,
 }
 
+/// Channels as options and files name them.
+pub(super) const LETTERS: [&str; 4] = ["r", "g", "b", "a"];
+
+/// A channel in the words of artists.
+pub(crate) fn colour(channel: usize) -> &'static str {
+    ["red", "green", "blue", "alpha"].get(channel).unwrap_or(&"further")
+}
+
 impl ChannelRef {
+    /// Index of the channel in a picture of so many, which may lack it.
+    pub(super) fn index(&self, count: usize) -> usize {
+        self.channel.unwrap_or(if count >= 3 { 1 } else { 0 })
+    }
+
     /// `file.png` or `file.png:g`; channels are r g b a, or 0 to 3.
     pub fn parse(text: &str) -> Self {
         if let Some((path, name)) = text.rsplit_once(':') {
-            let channel = ["r", "g", "b", "a"].iter().position(|c| c.eq_ignore_ascii_case(name));
+            let channel = LETTERS.iter().position(|c| c.eq_ignore_ascii_case(name));
             let channel = channel.or_else(|| name.parse().ok().filter(|c| *c < 4 && name.len() == 1));
             if channel.is_some() && !path.is_empty() {
                 return Self { path: path.into(), channel };

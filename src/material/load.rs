@@ -7,6 +7,7 @@ use rayon::prelude::*;
 
 use super::generate::distinct_stems;
 use super::guess::{is_gray, mean_direction, off_unit};
+use super::inputs::colour;
 use super::source::{MapFile, Material, NormalSource, Origin};
 use super::{ChannelRef, DEFAULT_HEIGHT_SCALE, DEFAULT_ROUGHNESS, Inputs, RoughnessInput};
 use super::{NormalRange, NormalY, NormalZ, Role};
@@ -258,7 +259,7 @@ impl Builder<'_> {
         let map = self.map_of(&input.path);
         let names = &self.material.maps[map].raster.channels;
         let count = names.len();
-        let channel = input.channel.unwrap_or(if count >= 3 { 1 } else { 0 });
+        let channel = input.index(count);
         if channel >= count {
             let found = if count == 1 { "one channel (gray)".into() } else { format!("channels {}", names.join(" ")) };
             let expected = format!("a channel {} for the roughness", colour(channel));
@@ -390,9 +391,4 @@ impl Builder<'_> {
         }
         Ok(self.material)
     }
-}
-
-/// A channel in the words of artists.
-fn colour(channel: usize) -> &'static str {
-    ["red", "green", "blue", "alpha"].get(channel).unwrap_or(&"further")
 }

@@ -28,6 +28,7 @@ pub use extra::{Extra, LARGEST_ENERGY};
 pub use flakes::{FlakePlaces, FlakesAbout, FlakesFile, MaterialFlakes};
 pub use further::{FurtherMap, FurtherView};
 pub use gltf::{Model, Surface};
+pub(crate) use inputs::colour;
 pub use inputs::{ChannelRef, DEFAULT_HEIGHT_SCALE, DEFAULT_ROUGHNESS, Inputs, RoughnessInput};
 pub use inspect::Findings;
 pub use levels::{Container, LOBE_CHANNELS, LevelChain, lobe_channels, read_folder, read_lobes, read_maps};

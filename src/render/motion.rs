@@ -79,20 +79,7 @@ pub fn sequence(
     sampling: Sampling,
     done: &(dyn Fn() + Sync),
 ) -> Vec<Image> {
-    let texture = Texture::new(levels);
-    let frame = |frame: usize| {
-        let sampling = match sampling {
-            Sampling::Supersampled { per_side } => {
-                let share = per_side as f32 * motion.texels(frame, frames) / motion.farthest();
-                Sampling::Supersampled { per_side: (share.ceil() as usize).max(LEAST_RAYS.min(per_side)) }
-            }
-            mips => mips,
-        };
-        let image = moved(scene, &texture, motion, (frame, frames), pixels, sampling, None);
-        done();
-        image
-    };
-    (0..frames).map(frame).collect()
+    moving(scene, levels, motion, frames, pixels, sampling, None, done)
 }
 
 /// [`sequence`] with flakes all over the object, one ray a pixel.
@@ -105,31 +92,40 @@ pub fn glinting_sequence(
     glints: &Glints,
     done: &(dyn Fn() + Sync),
 ) -> Vec<Image> {
+    moving(scene, levels, motion, frames, pixels, Sampling::mips(1), Some(glints), done)
+}
+
+#[expect(clippy::too_many_arguments, reason = "those of both sequences")]
+fn moving(
+    scene: &Scene,
+    levels: &[Lobes],
+    motion: Motion,
+    frames: usize,
+    pixels: usize,
+    sampling: Sampling,
+    glints: Option<&Glints>,
+    done: &(dyn Fn() + Sync),
+) -> Vec<Image> {
     let texture = Texture::new(levels);
     let frame = |frame: usize| {
-        let image = moved(scene, &texture, motion, (frame, frames), pixels, Sampling::mips(1), Some(glints));
+        let texels = motion.texels(frame, frames);
+        let (scene, steps) = at_distance(scene, texture.size(), texels, pixels);
+        let shift = match motion {
+            Motion::Zoom => Vec2::ZERO,
+            Motion::Pan => frame as f32 * (Mat2::from_cols(steps[0], steps[1]) * PAN_STEP),
+        };
+        let sampling = match sampling {
+            Sampling::Supersampled { per_side } => {
+                let share = (per_side as f32 * texels / motion.farthest()).ceil() as usize;
+                Sampling::Supersampled { per_side: share.max(LEAST_RAYS.min(per_side)) }
+            }
+            mips => mips,
+        };
+        let image = draw(&scene, &texture, shift, pixels, sampling, glints);
         done();
         image
     };
     (0..frames).map(frame).collect()
-}
-
-/// A frame of so many.
-fn moved(
-    scene: &Scene,
-    texture: &Texture,
-    motion: Motion,
-    (frame, frames): (usize, usize),
-    pixels: usize,
-    sampling: Sampling,
-    glints: Option<&Glints>,
-) -> Image {
-    let (scene, steps) = at_distance(scene, texture.size(), motion.texels(frame, frames), pixels);
-    let shift = match motion {
-        Motion::Zoom => Vec2::ZERO,
-        Motion::Pan => frame as f32 * (Mat2::from_cols(steps[0], steps[1]) * PAN_STEP),
-    };
-    draw(&scene, texture, shift, pixels, sampling, glints)
 }
 
 impl Scene {
