@@ -76,6 +76,10 @@ pub struct Inputs {
     pub anisotropy: Option<PathBuf>,
     /// Height map, from which normals are derived if there is no normal map.
     pub height: Option<PathBuf>,
+    /// Ambient occlusion: nothing is folded into it, but engines pack it with the roughness. Read only if it is to be packed.
+    pub occlusion: Option<ChannelRef>,
+    /// Metalness, likewise.
+    pub metal: Option<ChannelRef>,
     /// Convention of the normal map.
     pub normal_y: NormalY,
     /// Where z comes from.
