@@ -45,15 +45,7 @@ fn build(criterion: &mut Criterion) {
     group.sample_size(10);
     let options = Options::default();
     group.bench_function("read, fold, write all levels as PNG", |b| {
-        let request = Request {
-            folder: folder.path().join("out"),
-            formats: vec![Format::Png],
-            depth: Depth::Half,
-            moments: false,
-            extras: Vec::new(),
-            pictures: Vec::new(),
-            force: true,
-        };
+        let request = Request { force: true, ..Request::new(folder.path().join("out")) };
         b.iter(|| {
             pool.install(|| {
                 let material = load(black_box(&inputs)).unwrap();

@@ -24,15 +24,7 @@ fn main() -> mipfold::Result<()> {
     // Two widths and a direction need a map to live in.
     material.ensure_anisotropy_map();
     let options = Options { form: Form::Anisotropic, ..Options::default() };
-    let request = Request {
-        folder: folder.into(),
-        formats: vec![Format::Png, Format::Exr],
-        depth: Depth::Half,
-        moments: false,
-        extras: Vec::new(),
-        pictures: Vec::new(),
-        force: false,
-    };
+    let request = Request { formats: vec![Format::Png, Format::Exr, Format::Ktx2], ..Request::new(folder) };
     // The plan names every file before anything is folded; `write` makes all of them or none.
     let plan = Plan::new(&material, &options, &request);
     let folded = chain(&material, &options);

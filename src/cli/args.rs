@@ -1,6 +1,6 @@
 //! The command line's words.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
@@ -10,13 +10,15 @@ use super::compare_args::CompareArgs;
 use super::glint_args::GlintArgs;
 use super::lobes_arg::LobesArg;
 use crate::codec::Depth;
+use crate::codec::texture::Effort;
 use crate::curvature::LONGEST_SIDE;
 use crate::fold::{DEFAULT_FOLD, FOLDS, Fold, Options};
-use crate::image::{Size, Wrap};
+use crate::image::{Sides, Size, Wrap};
 use crate::kernels::Language;
 use crate::material::{DEFAULT_HEIGHT_SCALE, DEFAULT_ROUGHNESS, Extra, NormalRange, NormalY, NormalZ};
 use crate::ndf::Form;
-use crate::output::Format;
+use crate::output::preset::Compress;
+use crate::output::{Format, Request};
 use crate::roughness::Alpha;
 
 /// For the ends of helps.
@@ -174,12 +176,29 @@ pub struct BuildArgs {
 
 #[derive(Args)]
 pub struct ContainerArgs {
-    /// Container: png (a file a level) or exr (mip-mapped, and the lobes in full); may be repeated
-    #[arg(long, value_enum, default_value = "png", value_delimiter = ',')]
+    /// Container: png (a file a level), exr (mip-mapped, and the lobes in full), ktx2 or dds (a texture for GPUs with its
+    /// mips); may be repeated [default: png, or what the preset wants]
+    #[arg(long, value_enum, value_delimiter = ',', hide_possible_values = true, value_name = "png|exr|ktx2|dds")]
     pub format: Vec<Format>,
     /// Write 32-bit floats where --format exr writes 16-bit ones
     #[arg(long)]
     pub float: bool,
+    /// Texels of ktx2 and dds: bc (BC5 for normals, BC4 for one channel, BC7 for more), uastc (ktx2 only; for the web), or
+    /// none [default: bc, or what the preset wants]
+    #[arg(long, value_enum, hide_possible_values = true, value_name = "none|bc|uastc")]
+    pub compress: Option<Compress>,
+    /// Time that compression may take: slow is for what ships
+    #[arg(long, value_enum, default_value = "fast")]
+    pub effort: EffortArg,
+    /// Enlarge all maps until their sides are multiples of 4, or powers of two (pot), as engines and compression want them
+    #[arg(long, value_enum, default_value = "keep", hide_possible_values = true, value_name = "4|pot")]
+    pub resize: Sides,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+pub enum EffortArg {
+    Fast,
+    Slow,
 }
 
 #[derive(Args)]
@@ -334,9 +353,21 @@ impl FoldArgs {
 }
 
 impl ContainerArgs {
-    /// Of mip-mapped maps.
-    pub fn depth(&self) -> Depth {
-        if self.float { Depth::Float } else { Depth::Half }
+    /// What is to be written into a folder.
+    pub fn request(&self, folder: &Path, force: bool) -> Request {
+        let plain = Request::new(folder);
+        Request {
+            formats: if self.format.is_empty() { plain.formats.clone() } else { self.format.clone() },
+            depth: if self.float { Depth::Float } else { Depth::Half },
+            resize: self.resize,
+            compress: self.compress.unwrap_or_default(),
+            effort: match self.effort {
+                EffortArg::Fast => Effort::Fast,
+                EffortArg::Slow => Effort::Slow,
+            },
+            force,
+            ..plain
+        }
     }
 }
 

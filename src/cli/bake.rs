@@ -79,15 +79,7 @@ pub fn run(args: &BakeArgs, global: &Global, report: &mut Report) -> Result<()> 
     let folders = if alone { vec![args.output.clone()] } else { output_folders(&args.output, &names) };
     for (bake, folder) in bakes.iter().zip(folders) {
         let result = if bake.textured {
-            let request = Request {
-                folder,
-                formats: args.containers.format.clone(),
-                depth: args.containers.depth(),
-                moments: false,
-                extras: vec![Extra::Curvature],
-                pictures: Vec::new(),
-                force: global.force,
-            };
+            let request = Request { extras: vec![Extra::Curvature], ..args.containers.request(&folder, global.force) };
             into_texture(args, bake, flagged.as_ref(), &sha256, &options, &request, global.dry_run, report)
         } else {
             at_vertices(bake, &folder, global)

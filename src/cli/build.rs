@@ -42,13 +42,9 @@ pub fn run(args: &BuildArgs, global: &Global, report: &mut Report) -> Result<()>
         .with_max_len(1)
         .map(|(inputs, folder)| {
             let request = Request {
-                folder: folder.clone(),
-                formats: args.containers.format.clone(),
-                depth: args.containers.depth(),
                 moments: args.moments,
                 extras: args.extra.clone(),
-                pictures: Vec::new(),
-                force: global.force,
+                ..args.containers.request(folder, global.force)
             };
             let (read, form) = (&codec::read, args.folding.form());
             let job =

@@ -14,7 +14,7 @@ use crate::fold::Options;
 use crate::image::Raster;
 use crate::material::{ChannelRef, Earlier, Inputs, RoughnessInput};
 use crate::ndf::{Form, lobes_in_words};
-use crate::output::{Format, Request, Stage, may_write};
+use crate::output::{Request, Stage, may_write};
 use crate::reference::Reading;
 use crate::render::{DISTANCES, Scene, distance_strip};
 use crate::report::{ChainAbout, verdict};
@@ -78,15 +78,7 @@ fn one(sample: &Sample, args: &DemoArgs, options: &Options, global: &Global, rep
         write_png(&mut bytes, raster).map_err(|e| Error::io(path, e))?;
         decode(path, bytes)
     };
-    let request = Request {
-        folder: folder.join("mips"),
-        formats: vec![Format::Png],
-        depth: crate::codec::Depth::Half,
-        moments: false,
-        extras: Vec::new(),
-        pictures: Vec::new(),
-        force: global.force,
-    };
+    let request = Request { force: global.force, ..Request::new(folder.join("mips")) };
     let form = args.folding.form();
     let job =
         Job { inputs: &inputs, read: &read, under: None, flakes: None, draw: None, options, form, request: &request };

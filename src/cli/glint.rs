@@ -51,15 +51,7 @@ pub fn run(args: &GlintArgs, global: &Global, report: &mut Report) -> Result<()>
         extras.push(Extra::Tensor);
     }
     let pictures = if args.preview.no_pictures { Vec::new() } else { PICTURES.map(String::from).to_vec() };
-    let request = Request {
-        folder: args.output.clone(),
-        formats: args.containers.format.clone(),
-        depth: args.containers.depth(),
-        moments: false,
-        extras,
-        pictures,
-        force: global.force,
-    };
+    let request = Request { extras, pictures, ..args.containers.request(&args.output, global.force) };
     let draw = |material: &Material, chain: &Chain| draw(material, chain, &args.preview, report);
     let job = Job {
         inputs: &inputs,

@@ -63,7 +63,7 @@ impl Job<'_> {
     pub fn run(&self, dry_run: bool, bar: &ProgressBar) -> Result<Done> {
         let (name, request) = (&self.inputs.name, self.request);
         bar.set_message(format!("reading {name}"));
-        let mut material = load_with(self.inputs, self.read)?;
+        let mut material = load_with(&request.inputs(self.inputs), self.read)?;
         let options = Options { form: self.choose_form(&mut material), ..*self.options };
         if options.form == Form::Anisotropic {
             material.ensure_anisotropy_map();

@@ -3,9 +3,11 @@
 //! Row 0 is the top row, as in every file format here; `v` points up, so it falls as rows rise.
 
 mod raster;
+mod sides;
 mod span;
 
 pub use raster::{Raster, Samples};
+pub use sides::Sides;
 pub use span::{Span, span, spans};
 
 /// Width and height in texels, both at least 1.

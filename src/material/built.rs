@@ -46,7 +46,7 @@ impl Earlier {
         let ours = |file: &String| {
             let plain = Path::new(file).components().count() == 1 && Path::new(file).file_name().is_some();
             plain
-                && (file.ends_with(".exr")
+                && ([".exr", ".ktx2", ".dds"].iter().any(|ending| file.ends_with(ending))
                     || file.ends_with("_curvature.ply")
                     || (file.ends_with(".png") && file.contains("_mip")))
         };

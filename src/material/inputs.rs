@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use super::{NormalRange, NormalY, NormalZ};
-use crate::image::{Size, Wrap};
+use crate::image::{Sides, Size, Wrap};
 use crate::roughness::PerceptualRoughness;
 
 /// A file, and a channel of it if one was named.
@@ -95,6 +95,8 @@ pub struct Inputs {
     pub height_scale: Option<f32>,
     /// Size of a material that no map gives one: flat, of the roughness that is given.
     pub flat: Option<Size>,
+    /// What the sides must be: maps are enlarged until they are.
+    pub sides: Sides,
     /// What lies beyond the border.
     pub wrap: Wrap,
     /// What looks wrong on the way to these inputs, said again in the material's warnings.

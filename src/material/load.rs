@@ -59,7 +59,8 @@ fn assemble<'a>(inputs: &Inputs, read: ReadPicture<'a>, by_value: bool) -> Resul
         let found = builder.material.normal_scale.to_string();
         return Err(Error::invalid_option("normal scale", found, "a number from 0.001 to 1000"));
     }
-    builder.read_all([normal, width, inputs.anisotropy.as_deref()].into_iter().flatten())?;
+    let plain = [&inputs.occlusion, &inputs.metal].map(|input| input.as_ref().map(|channel| channel.path.as_path()));
+    builder.read_all([normal, width, inputs.anisotropy.as_deref()].into_iter().chain(plain).flatten())?;
     match (normal, height) {
         (Some(path), height) => {
             builder.add_normal(path, inputs.normal_z, inputs.normal_range)?;
@@ -85,7 +86,9 @@ fn assemble<'a>(inputs: &Inputs, read: ReadPicture<'a>, by_value: bool) -> Resul
     if let Some(path) = &inputs.anisotropy {
         builder.add_anisotropy(path)?;
     }
-    builder.finish(inputs.flat);
+    builder.material.occlusion = builder.plain(inputs.occlusion.as_ref(), "occlusion")?;
+    builder.material.metal = builder.plain(inputs.metal.as_ref(), "metalness")?;
+    builder.finish(inputs);
     Ok(builder)
 }
 
@@ -106,6 +109,8 @@ fn empty(inputs: &Inputs) -> Material {
         constant: DEFAULT_ROUGHNESS,
         anisotropy: None,
         anisotropy_lean: Vec2::ZERO,
+        occlusion: None,
+        metal: None,
         others: Vec::new(),
     }
 }
@@ -255,17 +260,30 @@ impl Builder<'_> {
         Ok(())
     }
 
-    fn add_width(&mut self, input: &ChannelRef, role: Role) -> Result<()> {
-        let map = self.map_of(&input.path);
+    /// The channel of a map that an input names.
+    fn channel_of(&self, map: usize, input: &ChannelRef, what: &str) -> Result<usize> {
         let names = &self.material.maps[map].raster.channels;
         let count = names.len();
         let channel = input.index(count);
-        if channel >= count {
-            let found = if count == 1 { "one channel (gray)".into() } else { format!("channels {}", names.join(" ")) };
-            let expected = format!("a channel {} for the roughness", colour(channel));
-            return Err(Error::invalid(&input.path, found, expected));
+        if channel < count {
+            return Ok(channel);
         }
+        let found = if count == 1 { "one channel (gray)".into() } else { format!("channels {}", names.join(" ")) };
+        Err(Error::invalid(&input.path, found, format!("a channel {} for the {what}", colour(channel))))
+    }
+
+    /// Where a channel is that nothing is folded into.
+    fn plain(&self, input: Option<&ChannelRef>, what: &str) -> Result<Option<(usize, usize)>> {
+        let Some(input) = input else { return Ok(None) };
+        let map = self.map_of(&input.path);
+        Ok(Some((map, self.channel_of(map, input, what)?)))
+    }
+
+    fn add_width(&mut self, input: &ChannelRef, role: Role) -> Result<()> {
+        let map = self.map_of(&input.path);
         let word = if role == Role::Roughness { "roughness" } else { "smoothness" };
+        let channel = self.channel_of(map, input, word)?;
+        let count = self.material.maps[map].raster.channels.len();
         let file = input.path.file_name().unwrap_or_default().to_string_lossy().into_owned();
         let gray = count < 2 || (count >= 3 && is_gray(&self.material.maps[map].raster));
         if gray && count >= 3 && input.channel.is_none() {
@@ -312,7 +330,7 @@ impl Builder<'_> {
     }
 
     /// Brings all maps to the largest size, numbers the plain channels, and adds the maps that are missing.
-    fn finish(&mut self, flat: Option<Size>) {
+    fn finish(&mut self, inputs: &Inputs) {
         // A third channel that is nothing else holds z, also where it was not trusted: it is written again.
         if let Some(source) = &self.material.normal
             && let Some(role @ Role::Other(_)) = self.material.maps[source.map].roles.get_mut(2)
@@ -323,7 +341,7 @@ impl Builder<'_> {
         let width = sizes.iter().map(|s| s.width).max();
         let height = sizes.iter().map(|s| s.height).max();
         let largest = width.zip(height).map(|(width, height)| Size::new(width, height));
-        let size = largest.or(flat).unwrap_or(Size::new(1, 1));
+        let size = inputs.sides.fit(largest.or(inputs.flat).unwrap_or(Size::new(1, 1)));
         self.material.size = size;
         for (i, from) in sizes.into_iter().enumerate() {
             if from != size {

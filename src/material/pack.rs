@@ -130,7 +130,7 @@ impl<'a> LevelView<'a> {
 }
 
 /// A picture of 8 or 16 bits from rows of channels, 0..1: `row` fills row y of a channel. The channels `xy` are a normal's.
-pub(super) fn quantised(
+pub(crate) fn quantised(
     size: Size,
     channels: usize,
     bits: u8,

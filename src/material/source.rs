@@ -125,6 +125,10 @@ pub struct Material {
     pub(super) anisotropy: Option<(usize, [usize; 3])>,
     /// Mean direction of the input's anisotropy, weighted by its strength.
     pub(super) anisotropy_lean: Vec2,
+    /// Map and channel of the ambient occlusion, if it is known.
+    pub occlusion: Option<(usize, usize)>,
+    /// Map and channel of the metalness, if it is known.
+    pub metal: Option<(usize, usize)>,
     /// Map and channel of each plainly averaged channel.
     pub(super) others: Vec<(usize, usize)>,
 }

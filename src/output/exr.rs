@@ -1,10 +1,10 @@
-//! Mip-mapped OpenEXR: maps, lobes, moments.
+//! Levels to be packed; lobes and moments as mip-mapped OpenEXR.
 
 use std::io::{Seek, Write};
 
 use crate::codec::{Channel, Depth, write_exr};
 use crate::fold::Chain;
-use crate::material::{Encoding, FurtherMap, FurtherView, LevelView, Material, Role, Texels, lobe_channels};
+use crate::material::{FurtherMap, FurtherView, LevelView, Material, Role, Texels, lobe_channels};
 use crate::ndf::{Axes, Form, RoughnessTensor};
 
 /// Level `k` of a material, to be packed.
@@ -24,43 +24,6 @@ fn view_of<'a>(material: &'a Material, chain: &'a Chain, k: usize, j: usize) -> 
 pub fn further<'a>(material: &'a Material, chain: &'a Chain, k: usize, map: FurtherMap) -> FurtherView<'a> {
     let form = chain.levels.first().map_or(Form::Isotropic, |level| level.lobes.form());
     FurtherView { level: view_of(material, chain, k, map.lobe()), map, form }
-}
-
-/// What is larger would become infinite.
-const LARGEST_HALF: f32 = 65504.0;
-
-/// All levels of a map, in its own channels; normals signed.
-pub fn write_map(
-    out: impl Write + Seek,
-    material: &Material,
-    chain: &Chain,
-    map: usize,
-    depth: Depth,
-) -> std::io::Result<()> {
-    let channels: Vec<_> =
-        material.maps[map].raster.channels.iter().map(|name| Channel { name: name.clone(), depth }).collect();
-    let views: Vec<_> = (0..=chain.levels.len()).map(|k| view(material, chain, k)).collect();
-    write_exr(out, &channels, material.size, &|level, channel, y, x, row| {
-        views[level].row(map, channel, Encoding::Signed, y, x, row);
-        if depth == Depth::Half {
-            row.iter_mut().for_each(|v| *v = v.clamp(-LARGEST_HALF, LARGEST_HALF));
-        }
-    })
-}
-
-/// All levels of a map of a further lobe; normals signed.
-pub fn write_further(
-    out: impl Write + Seek,
-    material: &Material,
-    chain: &Chain,
-    map: FurtherMap,
-    depth: Depth,
-) -> std::io::Result<()> {
-    let channels: Vec<_> = map.channels().map(|name| Channel { name: name.into(), depth }).collect();
-    let views: Vec<_> = (0..=chain.levels.len()).map(|k| further(material, chain, k, map)).collect();
-    write_exr(out, &channels, material.size, &|level, channel, y, x, row| {
-        views[level].row(channel, Encoding::Signed, y, x, row);
-    })
 }
 
 /// The lobes of all levels in full, 32 bit. Level 0 has one lobe: the others are that again, of weight 0.

@@ -1,12 +1,9 @@
 //! The maps of [`Extra`], level by level.
 
-use std::io::{Seek, Write};
-
 use ndarray::Array3;
 
 use super::energy::{albedo, energy_scale};
 use super::exr::view;
-use crate::codec::{Channel, Depth, write_exr};
 use crate::fold::{Chain, Level};
 use crate::image::{Raster, Samples, Size};
 use crate::material::{Encoding, Extra, LARGEST_ENERGY, LevelView, Material, Texels};
@@ -139,20 +136,4 @@ impl<'a> ExtraLevel<'a> {
 /// Bits a sample of extra maps in PNG: as many as the finest map of the material has, at most 16.
 pub fn bits(material: &Material) -> u8 {
     if material.maps.iter().any(|map| map.bits > 8) { 16 } else { 8 }
-}
-
-/// All levels of an extra map as mip-mapped EXR.
-pub fn write_extra(
-    out: impl Write + Seek,
-    material: &Material,
-    chain: &Chain,
-    extra: Extra,
-    depth: Depth,
-) -> std::io::Result<()> {
-    let names = extra.channels(Encoding::Signed).iter();
-    let channels: Vec<_> = names.map(|(name, _)| Channel { name: (*name).into(), depth }).collect();
-    let levels: Vec<_> = (0..=chain.levels.len()).map(|k| ExtraLevel::new(material, chain, extra, k)).collect();
-    write_exr(out, &channels, material.size, &|level, channel, y, x, row| {
-        levels[level].row(channel, Encoding::Signed, y, x, row);
-    })
 }

@@ -3,8 +3,9 @@
 use serde::Serialize;
 
 use super::exr::{MOMENT_CHANNELS, lobe_count, role_name};
-use super::extra;
-use super::plan::{Content, Format, Output, Plan, Request};
+use super::layer::{Layer, Rows};
+use super::plan::{Content, Format, Plan, Request};
+use super::texture::texel_format;
 use crate::codec::Depth;
 use crate::fold::{Chain, Options};
 use crate::image::{Size, Wrap};
@@ -107,7 +108,7 @@ impl Manifest {
             at_least_average: options.at_least_average,
             min_alpha: options.min_alpha.0,
             max_alpha: options.max_alpha.0,
-            normal_y: material.normal_y,
+            normal_y: request.normal_y(material),
             normal_z: material.normal_z(),
             normal_scale: material.normal_scale,
             wrap: material.wrap,
@@ -151,32 +152,49 @@ fn inputs(material: &Material) -> Vec<Input> {
 
 fn maps(material: &Material, chain: &Chain, plan: &Plan, request: &Request) -> Vec<OutputMap> {
     let levels: Vec<Size> = (0..=chain.levels.len()).map(|k| chain.size.level(k)).collect();
-    let mut out: Vec<OutputMap> = Vec::new();
-    for (map, file) in material.maps.iter().enumerate() {
-        let png = if file.bits == 8 { "unorm8" } else { "unorm16" };
-        let exr = if request.depth == Depth::Half { "float16" } else { "float32" };
-        for (container, encoding) in [(Format::Png, png), (Format::Exr, exr)] {
-            let wanted = |o: &&Output| match o.content {
-                Content::Level { map: m, .. } => m == map && container == Format::Png,
-                Content::Levels { map: m } => m == map && container == Format::Exr,
-                _ => false,
-            };
-            let files: Vec<_> = plan.outputs.iter().filter(wanted).map(|o| o.name.clone()).collect();
-            if !files.is_empty() {
-                out.push(OutputMap {
-                    role: map_role(&file.roles),
-                    container,
-                    files,
-                    encoding,
-                    channels: channels(material, map),
-                    levels: levels.clone(),
-                    level_0: level_0(file, encoding),
-                    decode: None,
-                });
-            }
+    let mut out: Vec<((Layer, Format), OutputMap)> = Vec::new();
+    for output in &plan.outputs {
+        let (layer, container) = match output.content {
+            Content::Level { layer, .. } => (layer, Format::Png),
+            Content::Levels { layer, format } => (layer, format),
+            _ => continue,
+        };
+        // The plan goes level by level.
+        if let Some((_, known)) = out.iter_mut().find(|(key, _)| *key == (layer, container)) {
+            known.files.push(output.name.clone());
+            continue;
         }
+        let rows = plan.rows(material, chain, request, layer);
+        let form = if container == Format::Exr { Encoding::Signed } else { Encoding::Unsigned };
+        let encoding = match (container, rows.bits(), request.depth) {
+            (Format::Png, 8, _) => "unorm8",
+            (Format::Png, ..) => "unorm16",
+            (Format::Exr, _, Depth::Half) => "float16",
+            (Format::Exr, ..) => "float32",
+            (Format::Ktx2 | Format::Dds, ..) => {
+                texel_format(&rows, request.compress, request.two_channel_normals()).name()
+            }
+        };
+        let described = OutputMap {
+            role: layer_role(material, plan, layer),
+            container,
+            files: vec![output.name.clone()],
+            encoding,
+            channels: stored(&rows, container, form, request),
+            levels: levels.clone(),
+            level_0: layer_level_0(material, plan, layer, encoding),
+            decode: match layer {
+                Layer::Sheet(_) => None,
+                Layer::Further(map) => Some(decode(map, form)),
+                Layer::Extra(extra) => Some(extra.decode(form).to_owned()),
+            },
+        };
+        out.push(((layer, container), described));
     }
-    out.extend(further_maps(material, plan, request, &levels));
+    // Extra maps come last.
+    let folded = out.iter().take_while(|((layer, _), _)| !matches!(layer, Layer::Extra(_))).count();
+    let mut out: Vec<OutputMap> = out.into_iter().map(|(_, map)| map).collect();
+    let extras = out.split_off(folded);
     for output in &plan.outputs {
         let (role, names) = match output.content {
             Content::Lobes => ("lobes", lobe_channels(lobe_count(chain))),
@@ -194,98 +212,52 @@ fn maps(material: &Material, chain: &Chain, plan: &Plan, request: &Request) -> V
             decode: None,
         });
     }
-    out.extend(extras(material, &levels, plan, request));
+    out.extend(extras);
     out
 }
 
-fn extras(material: &Material, levels: &[Size], plan: &Plan, request: &Request) -> Vec<OutputMap> {
-    let mut out = Vec::new();
-    let png = if extra::bits(material) == 8 { "unorm8" } else { "unorm16" };
-    let exr = if request.depth == Depth::Half { "float16" } else { "float32" };
-    for wanted in Extra::ALL {
-        let in_png = |o: &&Output| matches!(o.content, Content::ExtraLevel { extra, .. } if extra == wanted);
-        let in_exr = |o: &&Output| o.content == Content::ExtraLevels { extra: wanted };
-        let name = |o: &Output| o.name.clone();
-        let files: [Vec<String>; 2] = [
-            plan.outputs.iter().filter(in_png).map(name).collect(),
-            plan.outputs.iter().filter(in_exr).map(name).collect(),
-        ];
-        let kinds = [(Format::Png, Encoding::Unsigned, png), (Format::Exr, Encoding::Signed, exr)];
-        for (files, (container, form, encoding)) in files.into_iter().zip(kinds) {
-            let channels = wanted.channels(form);
-            let names: &[&str] = match container {
-                Format::Png if channels.len() == 1 => &["Y"],
-                Format::Png => &["R", "G", "B"],
-                Format::Exr => &[],
-            };
-            let named = |(i, (name, role)): (usize, &(&'static str, &'static str))| ChannelRole {
-                name: names.get(i).unwrap_or(name).to_string(),
-                role: (*role).to_owned(),
-            };
-            if !files.is_empty() {
-                out.push(OutputMap {
-                    role: wanted.name(),
-                    container,
-                    files,
-                    encoding,
-                    channels: channels.iter().enumerate().map(named).collect(),
-                    levels: levels.to_vec(),
-                    level_0: match wanted {
-                        Extra::Curvature => "the mesh",
-                        Extra::Flakes => "maps of the flakes",
-                        _ => "the inputs' own lobes",
-                    },
-                    decode: Some(wanted.decode(form).to_owned()),
-                });
-            }
-        }
+/// The channels of a map that a container holds.
+fn stored(rows: &Rows, container: Format, form: Encoding, request: &Request) -> Vec<ChannelRole> {
+    let mut channels = rows.channels(form);
+    if container.is_texture() {
+        let texels = texel_format(rows, request.compress, request.two_channel_normals());
+        channels.truncate(texels.channels());
+        let used = channels.len();
+        let names = ["R", "G", "B", "A"].into_iter().take(texels.channels());
+        channels.extend(names.skip(used).map(|name| (name.to_owned(), "unused".to_owned())));
     }
-    out
+    channels.into_iter().map(|(name, role)| ChannelRole { name, role }).collect()
 }
 
-/// The maps of the lobes after the first.
-fn further_maps(material: &Material, plan: &Plan, request: &Request, levels: &[Size]) -> Vec<OutputMap> {
-    let mut out: Vec<(FurtherMap, OutputMap)> = Vec::new();
-    for output in &plan.outputs {
-        let (map, container) = match output.content {
-            Content::FurtherLevel { map, .. } => (map, Format::Png),
-            Content::FurtherLevels { map } => (map, Format::Exr),
-            _ => continue,
-        };
-        // The plan goes level by level.
-        if let Some((_, known)) = out.iter_mut().find(|(other, known)| *other == map && known.container == container) {
-            known.files.push(output.name.clone());
-            continue;
+fn layer_role(material: &Material, plan: &Plan, layer: Layer) -> &'static str {
+    match layer {
+        Layer::Sheet(i) => {
+            let sheet = &plan.sheets[i];
+            map_role(&(0..sheet.channels.len()).filter_map(|c| sheet.role(material, c)).collect::<Vec<_>>())
         }
-        let encoding = match (container, map.depth(material), request.depth) {
-            (Format::Png, 8, _) => "unorm8",
-            (Format::Png, ..) => "unorm16",
-            (Format::Exr, _, Depth::Half) => "float16",
-            (Format::Exr, ..) => "float32",
-        };
-        let channels = map.channels().zip(map.roles(role_name));
-        let described = OutputMap {
-            role: match map {
-                FurtherMap::Lobe(_) => "lobe",
-                FurtherMap::Haze(_) => "haze",
-                FurtherMap::Anisotropy(_) => "lobe-anisotropy",
-            },
-            container,
-            files: vec![output.name.clone()],
-            encoding,
-            channels: channels.map(|(name, role)| ChannelRole { name: name.into(), role }).collect(),
-            levels: levels.to_vec(),
-            level_0: "the first lobe, of weight 0",
-            decode: Some(decode(map, container)),
-        };
-        out.push((map, described));
+        Layer::Further(FurtherMap::Lobe(_)) => "lobe",
+        Layer::Further(FurtherMap::Haze(_)) => "haze",
+        Layer::Further(FurtherMap::Anisotropy(_)) => "lobe-anisotropy",
+        Layer::Extra(extra) => extra.name(),
     }
-    out.into_iter().map(|(_, map)| map).collect()
+}
+
+fn layer_level_0(material: &Material, plan: &Plan, layer: Layer, encoding: &str) -> &'static str {
+    match layer {
+        Layer::Sheet(i) => match plan.sheets[i].map {
+            Some(map) => level_0(&material.maps[map], encoding),
+            None => "the inputs' own pixels, packed anew",
+        },
+        Layer::Further(_) => "the first lobe, of weight 0",
+        Layer::Extra(Extra::Curvature) => "the mesh",
+        Layer::Extra(Extra::Flakes) => "maps of the flakes",
+        Layer::Extra(_) => "the inputs' own lobes",
+    }
 }
 
 /// How a shader reads a map of a further lobe. The lobe of the ordinary maps has the weight that the others leave.
-fn decode(map: FurtherMap, container: Format) -> String {
-    let signed = if container == Format::Png { "2 * rg - 1" } else { "rg" };
+fn decode(map: FurtherMap, form: Encoding) -> String {
+    let signed = if form == Encoding::Unsigned { "2 * rg - 1" } else { "rg" };
     match map {
         FurtherMap::Lobe(_) => format!(
             "n.xy = {signed}, in the convention normal_y; n.z = sqrt(max(0, 1 - n.x^2 - n.y^2)); weight = b; alpha = a^2; \
@@ -311,7 +283,10 @@ fn level_0(file: &MapFile, encoding: &str) -> &'static str {
         Origin::File { derived: true, .. } => "derived from heights",
         Origin::File { scaled: true, .. } => "the input, its roughness times a factor",
         Origin::File { size, .. } if *size != file.raster.size() => "the input, enlarged",
-        Origin::File { .. } if encoding == "unorm16" && file.bits == 32 => "the input, rounded to 16 bit",
+        Origin::File { .. } if ["bc4", "bc5", "bc7", "uastc"].contains(&encoding) => "the input, compressed in blocks",
+        Origin::File { .. } if matches!(encoding, "unorm16" | "r16" | "rg16" | "rgba16") && file.bits == 32 => {
+            "the input, rounded to 16 bit"
+        }
         Origin::File { .. } if encoding == "float16" => "the input, rounded to half floats",
         Origin::File { .. } if encoding == "float32" && !file.signed && file.channel(Role::NormalX).is_some() => {
             "the input's own pixels, normals as -1..1"

@@ -1,21 +1,28 @@
-//! A chain becomes files: PNG per level, mip-mapped EXR, lobes, moments, manifest; whole or not at all.
+//! A chain becomes files: PNG per level, mip-mapped EXR, KTX 2 and DDS, lobes, moments, manifest; whole or not at all.
 
 mod energy;
 mod exr;
 mod extra;
+mod layer;
 mod manifest;
 mod plan;
+pub mod preset;
+mod sheet;
 mod stage;
 mod texels;
+mod texture;
 mod vertices;
 mod write;
 
 pub use crate::material::{MANIFEST, SCHEMA};
 pub use energy::fold_for;
+pub use layer::{Layer, Rows};
 pub use manifest::{Input, Manifest, OutputMap};
 pub use plan::{Content, Format, Output, Plan, Request, safe_name};
+pub use sheet::{Sheet, Source};
 use stage::stale;
 pub use stage::{Stage, may_build, may_write};
 pub use texels::{read_texels, write_texels};
+pub use texture::{texel_format, texture_of};
 pub use vertices::{vertices_name, write_vertices};
 pub use write::{write, write_with};

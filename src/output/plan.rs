@@ -4,11 +4,18 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
+use super::layer::{Layer, Rows};
 use super::may_build;
+use super::preset::{Aside, Compress, Preset};
+use super::sheet::Sheet;
 use crate::codec::Depth;
+use crate::codec::texture::Effort;
 use crate::error::{Error, Result};
-use crate::fold::Options;
-use crate::material::{Extra, FurtherMap, MapFile, Material, Origin, same_path};
+use crate::fold::{Chain, Options};
+use crate::image::{Sides, Size};
+use crate::material::{
+    ChannelRef, Extra, FurtherMap, Inputs, MapFile, Material, NormalY, Origin, RoughnessInput, same_path,
+};
 
 /// A container.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
@@ -18,6 +25,27 @@ pub enum Format {
     Png,
     /// One mip-mapped file a map, signed normals; and the lobes in full.
     Exr,
+    /// One texture a map, with its levels, for GPUs.
+    Ktx2,
+    /// The same in DirectX's container.
+    Dds,
+}
+
+impl Format {
+    /// Of its files' names, and in options.
+    pub fn extension(self) -> &'static str {
+        match self {
+            Format::Png => "png",
+            Format::Exr => "exr",
+            Format::Ktx2 => "ktx2",
+            Format::Dds => "dds",
+        }
+    }
+
+    /// Whether its files are textures for GPUs.
+    pub fn is_texture(self) -> bool {
+        matches!(self, Format::Ktx2 | Format::Dds)
+    }
 }
 
 /// What to write, and where.
@@ -27,8 +55,16 @@ pub struct Request {
     pub folder: PathBuf,
     /// Containers.
     pub formats: Vec<Format>,
-    /// Depth of the mip-mapped maps; lobes and moments are always 32 bit.
+    /// Depth of the mip-mapped OpenEXR maps; lobes and moments are always 32 bit.
     pub depth: Depth,
+    /// What the maps' sides are brought to.
+    pub resize: Sides,
+    /// How texels of KTX 2 and DDS are compressed.
+    pub compress: Compress,
+    /// How much time that may take.
+    pub effort: Effort,
+    /// The engine that reads the files, if one was named: it decides on packing and on the green of normals.
+    pub preset: Option<&'static Preset>,
     /// Whether to write the raw slope moments.
     pub moments: bool,
     /// Further maps, in each container.
@@ -37,6 +73,47 @@ pub struct Request {
     pub pictures: Vec<String>,
     /// Whether files that mipfold did not write may be replaced.
     pub force: bool,
+}
+
+impl Request {
+    /// PNGs of the material's own maps.
+    pub fn new(folder: impl Into<PathBuf>) -> Self {
+        Self {
+            folder: folder.into(),
+            formats: vec![Format::Png],
+            depth: Depth::Half,
+            resize: Sides::Any,
+            compress: Compress::default(),
+            effort: Effort::default(),
+            preset: None,
+            moments: false,
+            extras: Vec::new(),
+            pictures: Vec::new(),
+            force: false,
+        }
+    }
+
+    /// What is read for it: occlusion and metal of their own only where they are packed.
+    pub fn inputs(&self, inputs: &Inputs) -> Inputs {
+        let rough = match &inputs.roughness {
+            RoughnessInput::Roughness(channel) | RoughnessInput::Smoothness(channel) => Some(&channel.path),
+            RoughnessInput::Missing | RoughnessInput::Constant(_) => None,
+        };
+        let packs = self.preset.is_some_and(|preset| preset.packed.is_some());
+        let plain = |channel: &Option<ChannelRef>| channel.clone().filter(|c| packs || Some(&c.path) == rough);
+        let (occlusion, metal) = (plain(&inputs.occlusion), plain(&inputs.metal));
+        Inputs { occlusion, metal, sides: self.resize, ..inputs.clone() }
+    }
+
+    /// Which way green points in the normal maps that are written.
+    pub fn normal_y(&self, material: &Material) -> NormalY {
+        self.preset.map_or(material.normal_y, |preset| preset.normal_y)
+    }
+
+    /// Whether normals lose their z to block compression that has two channels.
+    pub fn two_channel_normals(&self) -> bool {
+        self.preset.is_none_or(|preset| !preset.normal_z)
+    }
 }
 
 /// One file.
@@ -51,49 +128,32 @@ pub struct Output {
 /// What a file holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Content {
-    /// A level of a map.
+    /// A level of a map, as PNG.
     Level {
-        /// Index of the map.
-        map: usize,
+        /// The map.
+        layer: Layer,
         /// 0 is the input.
         level: usize,
     },
     /// All levels of a map.
     Levels {
-        /// Index of the map.
-        map: usize,
-    },
-    /// A level of a map of a further lobe.
-    FurtherLevel {
         /// The map.
-        map: FurtherMap,
-        /// 0 is the input.
-        level: usize,
-    },
-    /// All levels of a map of a further lobe.
-    FurtherLevels {
-        /// The map.
-        map: FurtherMap,
+        layer: Layer,
+        /// In which container.
+        format: Format,
     },
     /// Normal, widths and angle of every texel, of every lobe.
     Lobes,
     /// LEAN moments in the order of OpenImageIO's bumpslopes.
     Moments,
-    /// A level of an extra map.
-    ExtraLevel {
-        /// Which.
-        extra: Extra,
-        /// 0 is that of the input.
-        level: usize,
-    },
-    /// All levels of an extra map.
-    ExtraLevels {
-        /// Which.
-        extra: Extra,
-    },
     /// A picture for people.
     Picture {
         /// Index in [`Request::pictures`].
+        index: usize,
+    },
+    /// A text beside the maps, for people or for the engine.
+    Aside {
+        /// Index in [`Plan::asides`].
         index: usize,
     },
 }
@@ -101,14 +161,19 @@ pub enum Content {
 /// All files of a material, level 0 of the largest maps first.
 #[derive(Clone, Debug)]
 pub struct Plan {
+    /// The material's maps as they are written.
+    pub sheets: Vec<Sheet>,
     /// The files, without the manifest.
     pub outputs: Vec<Output>,
+    /// Texts that the preset wants beside them.
+    pub asides: Vec<Aside>,
 }
 
 impl Plan {
     /// Decides the files of a material that is folded with `options`.
     pub fn new(material: &Material, options: &Options, request: &Request) -> Self {
         let levels = material.size.level_count();
+        let sheets = sheets(material, request);
         let further = FurtherMap::all(options.form, options.lobes, options.shared_normal);
         let mut outputs = Vec::new();
         let mut push = |name: String, content| outputs.push(Output { name, content });
@@ -117,47 +182,48 @@ impl Plan {
         let free = |suffix: &str| {
             let mut names =
                 (1..).map(|n| if n == 1 { format!("{prefix}_{suffix}") } else { format!("{prefix}_{suffix}_{n}") });
-            let taken = |name: &String| material.maps.iter().any(|map| map.stem.eq_ignore_ascii_case(name));
+            let taken = |name: &String| sheets.iter().any(|sheet| sheet.stem.eq_ignore_ascii_case(name));
             names.find(|name| !taken(name)).expect("some number is free")
         };
-        for level in 0..levels {
-            for (map, file) in material.maps.iter().enumerate() {
-                if request.formats.contains(&Format::Png) {
-                    push(png_name(&file.stem, level), Content::Level { map, level });
+        let own = sheets.iter().enumerate().map(|(i, sheet)| (sheet.stem.clone(), Layer::Sheet(i)));
+        let lobes = further.into_iter().map(|map| (free(&map.suffix()), Layer::Further(map)));
+        let folded: Vec<(String, Layer)> = own.chain(lobes).collect();
+        let extras = Extra::ALL.into_iter().filter(|extra| request.extras.contains(extra));
+        let extras: Vec<_> = extras.map(|extra| (free(extra.name()), Layer::Extra(extra))).collect();
+        let packed = request.formats.iter().filter(|format| **format != Format::Png);
+        for maps in [&folded, &extras] {
+            if request.formats.contains(&Format::Png) {
+                for level in 0..levels {
+                    maps.iter().for_each(|(stem, layer)| {
+                        push(png_name(stem, level), Content::Level { layer: *layer, level });
+                    });
                 }
             }
-            for map in further.iter().copied().filter(|_| request.formats.contains(&Format::Png)) {
-                push(png_name(&free(&map.suffix()), level), Content::FurtherLevel { map, level });
+            for format in packed.clone().copied() {
+                for (stem, layer) in maps {
+                    push(format!("{stem}.{}", format.extension()), Content::Levels { layer: *layer, format });
+                }
             }
         }
         if request.formats.contains(&Format::Exr) {
-            for (map, file) in material.maps.iter().enumerate() {
-                push(format!("{}.exr", file.stem), Content::Levels { map });
-            }
-            for map in further {
-                push(free(&map.suffix()) + ".exr", Content::FurtherLevels { map });
-            }
             push(free("lobes") + ".exr", Content::Lobes);
         }
         if request.moments {
             push(free("moments") + ".exr", Content::Moments);
         }
-        for extra in Extra::ALL.into_iter().filter(|extra| request.extras.contains(extra)) {
-            let stem = free(extra.name());
-            if request.formats.contains(&Format::Png) {
-                (0..levels).for_each(|level| push(png_name(&stem, level), Content::ExtraLevel { extra, level }));
-            }
-            if request.formats.contains(&Format::Exr) {
-                push(format!("{stem}.exr"), Content::ExtraLevels { extra });
-            }
-        }
         for (index, name) in request.pictures.iter().enumerate() {
             push(name.clone(), Content::Picture { index });
         }
-        Self { outputs }
+        Self { sheets, outputs, asides: Vec::new() }
     }
 
-    /// Refuses to write over an input, or over files that no earlier build wrote.
+    /// The rows of one of its maps.
+    pub fn rows<'a>(&'a self, material: &'a Material, chain: &'a Chain, request: &Request, layer: Layer) -> Rows<'a> {
+        let flipped = request.normal_y(material) != material.normal_y;
+        Rows { material, chain, sheets: &self.sheets, layer, flipped }
+    }
+
+    /// Refuses to write over an input, or over files that no earlier build wrote; and maps that a container cannot hold.
     ///
     /// # Errors
     /// [`Error::Invalid`] that names the file.
@@ -167,15 +233,50 @@ impl Plan {
             if reads(material, &path) {
                 return Err(Error::invalid(&path, "an output that is also an input", "another folder for -o"));
             }
-            if let Content::Level { map, .. } = output.content
-                && material.maps[map].roles.len() > 4
+            let (layer, format) = match output.content {
+                Content::Level { layer, .. } => (layer, Format::Png),
+                Content::Levels { layer, format } => (layer, format),
+                _ => continue,
+            };
+            if let (Layer::Sheet(i), true) = (layer, format != Format::Exr)
+                && self.sheets[i].channels.len() > 4
             {
-                let found = format!("{} channels", material.maps[map].roles.len());
-                return Err(Error::unsupported(&path, found, "up to 4 in a PNG; --format exr holds more"));
+                let found = format!("{} channels", self.sheets[i].channels.len());
+                let expected = format!("up to 4 in a {}; --format exr holds more", format.extension().to_uppercase());
+                return Err(Error::unsupported(&path, found, expected));
+            }
+            if let Some((found, expected)) = wrong_sides(material.size, format, request) {
+                return Err(Error::unsupported(&path, found, expected));
+            }
+            if format == Format::Dds && request.compress == Compress::Uastc {
+                return Err(Error::unsupported(&path, "UASTC in a DDS", "--compress bc or none, or --format ktx2"));
             }
         }
         let names = self.outputs.iter().map(|output| output.name.as_str());
         may_build(&request.folder, &material.name, names, request.force)
+    }
+}
+
+/// What the sides of level 0 are and what the container and the engine want, where that is not the same.
+fn wrong_sides(size: Size, format: Format, request: &Request) -> Option<(String, String)> {
+    let blocks = format.is_texture() && request.compress != Compress::None;
+    let engine = request.preset.map_or(Sides::Any, |preset| preset.sides);
+    let sides = if blocks && engine == Sides::Any { Sides::MultipleOf4 } else { engine };
+    if sides.holds(size) {
+        return None;
+    }
+    let option = if sides == Sides::PowerOfTwo { "pot" } else { "4" };
+    let why = if blocks { ", since texels are compressed in blocks of 4x4" } else { "" };
+    let or = if blocks && engine == Sides::Any { ", or --compress none" } else { "" };
+    let expected = format!("sides that are {}{why}; --resize {option} enlarges the maps{or}", sides.describe());
+    Some((format!("{size} texels"), expected))
+}
+
+/// The material's maps as they are written: as they came, or as the preset packs them.
+fn sheets(material: &Material, request: &Request) -> Vec<Sheet> {
+    match request.preset {
+        Some(preset) => super::sheet::arrange(material, preset),
+        None => (0..material.maps.len()).map(|map| Sheet::own(material, map)).collect(),
     }
 }
 

@@ -4,11 +4,13 @@ use std::io::Write;
 
 use rayon::prelude::*;
 
-use super::exr::{further, view, write_further, write_lobes, write_map, write_moments};
-use super::extra::{ExtraLevel, write_extra};
+use super::exr::{write_lobes, write_moments};
+use super::layer::Layer;
 use super::manifest::Manifest;
-use super::plan::{self, Content, Plan, Request};
+use super::plan::{self, Content, Format, Plan, Request};
+use super::texture::{texel_format, texture_of};
 use super::{MANIFEST, Stage, stale};
+use crate::codec::texture::{write_dds, write_ktx2};
 use crate::codec::write_png;
 use crate::error::{Error, Result};
 use crate::fold::{Chain, Options};
@@ -61,21 +63,23 @@ pub fn write_with(
     stale.retain(|name| !input(name));
     let stage = Stage::new(&request.folder)?;
     plan.outputs.par_iter().try_for_each(|output| {
+        let rows = |layer| plan.rows(material, chain, request, layer);
         stage.write(&output.name, |out| match output.content {
-            Content::Level { map, level } => match level_0_file(&material.maps[map], level) {
+            Content::Level { layer, level } => match level_0_file(material, plan, layer, level) {
                 Some(bytes) => out.write_all(bytes),
-                None => write_png(out, &view(material, chain, level).raster(map)),
+                None => write_png(out, &rows(layer).raster(level)),
             },
-            Content::Levels { map } => write_map(out, material, chain, map, request.depth),
-            Content::FurtherLevel { map, level } => write_png(out, &further(material, chain, level, map).raster()),
-            Content::FurtherLevels { map } => write_further(out, material, chain, map, request.depth),
+            Content::Levels { layer, format: Format::Exr } => rows(layer).write_exr(out, request.depth),
+            Content::Levels { layer, format } => {
+                let rows = rows(layer);
+                let texels = texel_format(&rows, request.compress, request.two_channel_normals());
+                let texture = texture_of(&rows, texels, request.effort);
+                if format == Format::Dds { write_dds(out, &texture) } else { write_ktx2(out, &texture, true) }
+            }
             Content::Lobes => write_lobes(out, material, chain),
             Content::Moments => write_moments(out, material, chain),
-            Content::ExtraLevel { extra, level } => {
-                write_png(out, &ExtraLevel::new(material, chain, extra, level).raster())
-            }
-            Content::ExtraLevels { extra } => write_extra(out, material, chain, extra, request.depth),
             Content::Picture { index } => out.write_all(&pictures[index]),
+            Content::Aside { index } => out.write_all(plan.asides[index].text.as_bytes()),
         })?;
         done();
         Ok(())
@@ -87,7 +91,9 @@ pub fn write_with(
 }
 
 /// The input file, where it can stand for level 0 as it is: a plain PNG of the material's size.
-fn level_0_file(map: &MapFile, level: usize) -> Option<&[u8]> {
+fn level_0_file<'a>(material: &'a Material, plan: &Plan, layer: Layer, level: usize) -> Option<&'a [u8]> {
+    let Layer::Sheet(sheet) = layer else { return None };
+    let map: &MapFile = &material.maps[plan.sheets[sheet].map?];
     match &map.origin {
         Origin::File { size, plain_png, .. } if level == 0 && *size == map.raster.size() => plain_png.as_deref(),
         _ => None,

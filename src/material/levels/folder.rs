@@ -24,19 +24,25 @@ pub enum Container {
     Png,
     /// One mip-mapped OpenEXR file of each map.
     Exr,
+    /// One KTX 2 texture of each map.
+    Ktx2,
+    /// One DDS texture of each map.
+    Dds,
     /// The lobes in full, 32 bit.
     Lobes,
 }
 
 impl Container {
     /// In the order in which they are looked for: what engines load first.
-    const ALL: [Container; 3] = [Container::Png, Container::Exr, Container::Lobes];
+    const ALL: [Container; 5] = [Container::Png, Container::Ktx2, Container::Dds, Container::Exr, Container::Lobes];
 
     /// On the command line.
     pub fn name(self) -> &'static str {
         match self {
             Container::Png => "png",
             Container::Exr => "exr",
+            Container::Ktx2 => "ktx2",
+            Container::Dds => "dds",
             Container::Lobes => "lobes",
         }
     }
@@ -105,8 +111,8 @@ fn one() -> usize {
     1
 }
 
-/// Reads the chain of a folder that a build wrote: its PNGs if there are any, else its mip-mapped OpenEXR maps, else its
-/// lobes; or the container that is asked for. Conventions come from the manifest. Where the build had one number for
+/// Reads the chain of a folder that a build wrote: its PNGs if there are any, else its KTX 2 or DDS textures as hardware
+/// decodes them, else its mip-mapped OpenEXR maps, else its lobes; or the container that is asked for. Conventions come from the manifest. Where the build had one number for
 /// the roughness, `level_0` has it as it was given, not as a PNG rounds it.
 ///
 /// # Errors
@@ -264,6 +270,9 @@ impl Built<'_> {
             let path = self.files(map)?.swap_remove(0);
             if map.channel("normal.x").is_some() {
                 inputs.normal = Some(path.clone());
+                if map.channel("normal.z").is_none() {
+                    inputs.normal_z = NormalZ::Rebuild;
+                }
             }
             if map.channel("anisotropy.direction.x").is_some() {
                 inputs.anisotropy = Some(path.clone());

@@ -67,13 +67,9 @@ fn build_with(change: impl FnOnce(&mut Inputs), options: Options, mix: impl Fn(u
     let mut chain = fold::chain(&material, &options);
     chain.levels.iter_mut().enumerate().for_each(|(i, level)| mix(i + 1, &mut level.lobes));
     let request = Request {
-        folder: folder.path().join("out"),
         formats: vec![Format::Png, Format::Exr],
-        depth: Depth::Half,
         moments: options.slope_moments,
-        extras: Vec::new(),
-        pictures: Vec::new(),
-        force: false,
+        ..Request::new(folder.path().join("out"))
     };
     let plan = Plan::new(&material, &options, &request);
     write(&material, &chain, &options, &plan, &request, &|| {}).unwrap();

@@ -1,0 +1,112 @@
+//! Maps as textures for GPUs: which texel format, and their levels in it.
+
+use glam::Vec3;
+use ndarray::{Array3, Axis};
+use rayon::prelude::*;
+
+use super::layer::Rows;
+use super::preset::Compress;
+use crate::codec::texture::{Effort, TexelFormat, Texture, decode, encode};
+use crate::image::{Raster, Samples, Size};
+use crate::material::Encoding;
+
+/// Rows that are encoded at a time, of whole blocks: what is in memory beside the bytes.
+const BAND: usize = 32;
+
+/// The texel format of a map. Normals have two channels where `two_channel_normals`, and shaders rebuild z.
+pub fn texel_format(rows: &Rows, compress: Compress, two_channel_normals: bool) -> TexelFormat {
+    let channels = stored_channels(rows, compress, two_channel_normals);
+    match (compress, channels, rows.bits()) {
+        (Compress::Uastc, ..) => TexelFormat::Bc7, // UASTC-TODO
+        (Compress::Bc, 1, _) => TexelFormat::Bc4,
+        (Compress::Bc, 2, _) => TexelFormat::Bc5,
+        (Compress::Bc, ..) => TexelFormat::Bc7,
+        (Compress::None, 1, 8) => TexelFormat::R8,
+        (Compress::None, 2, 8) => TexelFormat::Rg8,
+        (Compress::None, _, 8) => TexelFormat::Rgba8,
+        (Compress::None, 1, _) => TexelFormat::R16,
+        (Compress::None, 2, _) => TexelFormat::Rg16,
+        (Compress::None, ..) => TexelFormat::Rgba16,
+    }
+}
+
+/// Channels of a map that its texture keeps: z of a normal alone is left out where block compression has a format for two.
+pub fn stored_channels(rows: &Rows, compress: Compress, two_channel_normals: bool) -> usize {
+    let channels = rows.channels(Encoding::Unsigned);
+    let normal = channels.len() == 3 && rows.normal_xy() == Some((0, 1)) && channels[2].1 == "normal.z";
+    if normal && two_channel_normals && compress == Compress::Bc { 2 } else { channels.len() }
+}
+
+/// All levels of a map. Block formats are encoded from floats, not from what an 8-bit picture would hold; in two-channel
+/// ones no decoded normal reaches the unit circle, so that shaders find a z.
+pub fn texture_of(rows: &Rows, format: TexelFormat, effort: Effort) -> Texture {
+    let level = |k: usize| match format.block_side() {
+        // As in the PNGs, weights of lobes and all.
+        1 => encode(&rows.raster(k), format, effort),
+        _ => blocks(rows, k, format, effort),
+    };
+    Texture { size: rows.size(0), format, levels: (0..rows.levels()).map(level).collect() }
+}
+
+fn blocks(rows: &Rows, level: usize, format: TexelFormat, effort: Effort) -> Vec<u8> {
+    let size = rows.size(level);
+    let all = rows.channels(Encoding::Unsigned);
+    let normal = format == TexelFormat::Bc5 && rows.normal_xy() == Some((0, 1));
+    let with_z = normal && all.get(2).is_some_and(|(_, role)| role == "normal.z");
+    let channels = if with_z { 3 } else { all.len().min(format.channels()) };
+    let band = |first: usize| {
+        let height = BAND.min(size.height - first);
+        let mut values = Array3::zeros((height, size.width, channels));
+        let mut row = vec![0.0; size.width];
+        for y in 0..height {
+            for channel in 0..channels {
+                rows.row(level, channel, Encoding::Unsigned, first + y, 0, &mut row);
+                row.iter().enumerate().for_each(|(x, v)| values[(y, x, channel)] = *v);
+            }
+        }
+        if with_z {
+            unit(&mut values);
+        }
+        let mut raster = Raster::new(Samples::F32(values));
+        let mut bytes = encode(&raster, format, effort);
+        while normal && pull_in(&mut raster, &bytes) {
+            bytes = encode(&raster, format, effort);
+        }
+        bytes
+    };
+    let bands: Vec<usize> = (0..size.height).step_by(BAND).collect();
+    bands.into_par_iter().map(band).collect::<Vec<_>>().concat()
+}
+
+/// Gives normals unit length, for their z will be made from x and y. Those that do not point up stay as they are.
+fn unit(values: &mut Array3<f32>) {
+    for mut texel in values.lanes_mut(Axis(2)) {
+        let n = Vec3::new(texel[0], texel[1], texel[2]) * 2.0 - 1.0;
+        if let (true, Some(n)) = (n.z > 0.0, n.try_normalize()) {
+            let stored = n * 0.5 + 0.5;
+            (texel[0], texel[1]) = (stored.x, stored.y);
+        }
+    }
+}
+
+/// The longest xy of a decoded normal: hardware may decode a few 16-bit steps apart from us.
+const LONGEST: f32 = 0.999;
+
+/// Shortens the normals that decode to more than [`LONGEST`]; whether there were any. Each time by a fortieth, so that it
+/// ends.
+fn pull_in(raster: &mut Raster, bytes: &[u8]) -> bool {
+    let Size { width, height } = raster.size();
+    let decoded = decode(bytes, raster.size(), TexelFormat::Bc5);
+    let Samples::F32(values) = &mut raster.samples else { return false };
+    let mut found = false;
+    for y in 0..height {
+        for x in 0..width {
+            let [nx, ny] = [0, 1].map(|c| 2.0 * decoded.at(x, y, c) - 1.0);
+            if nx * nx + ny * ny > LONGEST * LONGEST {
+                found = true;
+                [0, 1].into_iter().for_each(|c| values[(y, x, c)] = 0.5 + 0.975 * (values[(y, x, c)] - 0.5));
+            }
+        }
+    }
+    found
+}
