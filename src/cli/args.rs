@@ -52,7 +52,7 @@ pub struct Global {
     /// Read and check everything, say what would be written, write nothing
     #[arg(long, global = true)]
     pub dry_run: bool,
-    /// Replace files that mipfold did not write
+    /// Replace files that mipfold did not write, and build what is unchanged again
     #[arg(long, short, global = true)]
     pub force: bool,
 }
@@ -169,6 +169,9 @@ pub struct BuildArgs {
     /// Also write the raw LEAN slope moments as mip-mapped EXR (OpenImageIO's bumpslopes channels)
     #[arg(long)]
     pub moments: bool,
+    /// Write nothing for a material whose roughness folding changes by less than this (in 99 of 100 texels)
+    #[arg(long, value_name = "R", value_parser = unit)]
+    pub skip_if_below: Option<f32>,
     /// Further maps, each at every level; may be repeated
     #[arg(long, value_enum, value_name = "MAP", value_delimiter = ',')]
     pub extra: Vec<Extra>,

@@ -197,7 +197,7 @@ fn into_texture(
     let (mesh, file, uv_set) = (&bake.mesh, &args.mesh, bake.group.uv_set);
     let under = Some(Under { mesh, file, sha256, uv_set, options: baking });
     let form = args.folding.form();
-    let job = Job { inputs: &inputs, read: &read, under, flakes: None, draw: None, options, form, request };
+    let job = Job { inputs: &inputs, read: &read, under, flakes: None, draw: None, options, form, request, skip_if_below: None };
     job.run(dry_run, &report.progress).map(|done| done.built)
 }
 
@@ -211,6 +211,8 @@ fn at_vertices(bake: &Bake, folder: &Path, global: &Global) -> Result<Built> {
         write_vertices(folder, name, mesh, &vertex_curvature(mesh), global.force)?;
     }
     Ok(Built {
+        gain: None,
+        skipped: false,
         name: name.clone(),
         folder: folder.to_string_lossy().into_owned(),
         extent: Extent::Vertices { vertices: mesh.positions.len(), triangles: mesh.triangles.len() },

@@ -7,11 +7,17 @@ use rayon::prelude::*;
 use super::args::{BuildArgs, Global};
 use super::inputs::{folder, read_as, single};
 use super::job::Job;
-use super::report::Report;
+use super::report::{Built, Report, Unchanged};
 use crate::codec;
 use crate::error::{Error, Result};
 use crate::material::Inputs;
-use crate::output::{Request, safe_name};
+use crate::output::{Request, file_digest, is_fresh, key, safe_name};
+
+/// What became of a material.
+enum Outcome {
+    Built(Built),
+    Unchanged(Unchanged),
+}
 
 pub fn run(args: &BuildArgs, global: &Global, report: &mut Report) -> Result<()> {
     let options = args.folding.options(args.moments)?;
@@ -47,14 +53,25 @@ pub fn run(args: &BuildArgs, global: &Global, report: &mut Report) -> Result<()>
                 ..args.containers.request(folder, global.force)
             };
             let (read, form) = (&codec::read, args.folding.form());
+            let key = key(&request.inputs(inputs), &options, form, &request, |path| file_digest(path));
+            let request = Request { key: key.ok(), ..request };
+            if let Some(key) = request.key.as_ref().filter(|_| !global.force && !global.dry_run)
+                && is_fresh(folder, key)
+            {
+                return Ok(Outcome::Unchanged(Unchanged {
+                    name: inputs.name.clone(),
+                    folder: folder.to_string_lossy().into_owned(),
+                }));
+            }
             let job =
-                Job { inputs, read, under: None, flakes: None, draw: None, options: &options, form, request: &request };
-            job.run(global.dry_run, &report.progress).map(|done| done.built)
+                Job { inputs, read, under: None, flakes: None, draw: None, options: &options, form, request: &request, skip_if_below: args.skip_if_below };
+            job.run(global.dry_run, &report.progress).map(|done| Outcome::Built(done.built))
         })
         .collect();
     for result in results {
         match result {
-            Ok(built) => report.built(built),
+            Ok(Outcome::Built(built)) => report.built(built),
+            Ok(Outcome::Unchanged(unchanged)) => report.unchanged(unchanged),
             Err(error) => report.error(&error),
         }
     }

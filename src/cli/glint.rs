@@ -62,6 +62,7 @@ pub fn run(args: &GlintArgs, global: &Global, report: &mut Report) -> Result<()>
         options: &options,
         form,
         request: &request,
+        skip_if_below: None,
     };
     let built = job.run(global.dry_run, &report.progress)?.built;
     report.built(built);

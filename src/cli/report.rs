@@ -11,6 +11,7 @@ use serde::Serialize;
 
 use super::args::Global;
 use crate::error::Error;
+use crate::output::Gain;
 
 /// One material that was built, or would be.
 #[derive(Serialize)]
@@ -22,6 +23,17 @@ pub struct Built {
     pub files: Vec<String>,
     pub notes: Vec<String>,
     pub warnings: Vec<String>,
+    /// How far it is from plain mips, if it was folded.
+    pub gain: Option<Gain>,
+    /// Whether nothing was written, for that is too little.
+    pub skipped: bool,
+}
+
+/// A material that was built before, of the same inputs, options and version.
+#[derive(Serialize)]
+pub struct Unchanged {
+    pub name: String,
+    pub folder: String,
 }
 
 /// What was built.
@@ -50,6 +62,8 @@ struct Json<'a> {
     schema: u32,
     dry_run: bool,
     materials: &'a [Built],
+    #[serde(skip_serializing_if = "<[_]>::is_empty")]
+    unchanged: &'a [Unchanged],
     errors: &'a [String],
 }
 
@@ -59,6 +73,7 @@ pub struct Report {
     quiet: bool,
     dry_run: bool,
     built: Vec<Built>,
+    unchanged: Vec<Unchanged>,
     errors: Vec<String>,
     /// Whether a check failed.
     failed: bool,
@@ -82,6 +97,7 @@ impl Report {
             quiet: global.quiet,
             dry_run: global.dry_run,
             built: vec![],
+            unchanged: vec![],
             errors: vec![],
             failed: false,
             document: None,
@@ -116,7 +132,12 @@ impl Report {
 
     pub fn built(&mut self, built: Built) {
         let verb = if self.dry_run { "would write" } else { "wrote" };
-        self.say(&format!("{}: {}: {verb} {} files to {}", built.name, built.extent, built.files.len(), built.folder));
+        let done = match built.skipped {
+            true => "skipped, nothing written".to_owned(),
+            false => format!("{verb} {} files to {}", built.files.len(), built.folder),
+        };
+        self.say(&format!("{}: {}: {done}", built.name, built.extent));
+        built.gain.iter().for_each(|gain| self.say(&format!("  {}", gain.describe())));
         built.notes.iter().for_each(|note| self.say(&format!("  {note}")));
         if self.dry_run {
             built.files.iter().for_each(|file| self.say(&format!("  {file}")));
@@ -126,6 +147,11 @@ impl Report {
             self.warning(&format!("{name}{warning}"));
         }
         self.built.push(built);
+    }
+
+    pub fn unchanged(&mut self, unchanged: Unchanged) {
+        self.say(&format!("{}: unchanged in {}; --force builds it again", unchanged.name, unchanged.folder));
+        self.unchanged.push(unchanged);
     }
 
     pub fn warning(&self, text: &str) {
@@ -156,8 +182,8 @@ impl Report {
     pub fn finish(self) -> ExitCode {
         self.progress.finish_and_clear();
         if self.json {
-            let Report { built, errors, dry_run, .. } = &self;
-            let json = Json { schema: 1, dry_run: *dry_run, materials: built, errors };
+            let Report { built, unchanged, errors, dry_run, .. } = &self;
+            let json = Json { schema: 1, dry_run: *dry_run, materials: built, unchanged, errors };
             let list = || serde_json::to_string_pretty(&json).expect("plain data");
             let document = self.document.as_ref().filter(|_| errors.is_empty());
             self.out(document.map_or_else(list, |text| text.trim_end().to_owned()).as_str());

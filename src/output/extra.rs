@@ -2,7 +2,7 @@
 
 use ndarray::Array3;
 
-use super::energy::{albedo, energy_scale};
+use super::fold_for::{albedo, energy_scale};
 use super::exr::view;
 use crate::fold::{Chain, Level};
 use crate::image::{Raster, Samples, Size};

@@ -1,5 +1,7 @@
 //! What was built, for other programs.
 
+use std::collections::BTreeMap;
+
 use serde::Serialize;
 
 use super::exr::{MOMENT_CHANNELS, lobe_count, role_name};
@@ -47,8 +49,16 @@ pub struct Manifest {
     /// For people.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pictures: Vec<String>,
+    /// Texts beside the maps.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    asides: Vec<String>,
     notes: Vec<String>,
     warnings: Vec<String>,
+    /// All that the build is made of, as one number.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    key: Option<String>,
+    /// SHA-256 of each file, hexadecimal.
+    sha256: BTreeMap<String, String>,
 }
 
 /// An input file.
@@ -87,8 +97,15 @@ pub struct OutputMap {
 }
 
 impl Manifest {
-    /// Describes a build.
-    pub fn new(material: &Material, chain: &Chain, options: &Options, plan: &Plan, request: &Request) -> Self {
+    /// Describes a build, with the SHA-256 of each of its files.
+    pub fn new(
+        material: &Material,
+        chain: &Chain,
+        options: &Options,
+        plan: &Plan,
+        request: &Request,
+        sha256: BTreeMap<String, String>,
+    ) -> Self {
         let constant = material
             .maps
             .iter()
@@ -118,8 +135,11 @@ impl Manifest {
             inputs: inputs(material),
             maps: maps(material, chain, plan, request),
             pictures: request.pictures.clone(),
+            asides: plan.asides.iter().map(|aside| aside.name.clone()).collect(),
             notes: material.notes.clone(),
             warnings: material.warnings.clone(),
+            key: request.key.clone(),
+            sha256,
         }
     }
 }

@@ -73,6 +73,9 @@ pub struct Request {
     pub pictures: Vec<String>,
     /// Whether files that mipfold did not write may be replaced.
     pub force: bool,
+    /// All that the build is made of as one number, by which a later one knows that nothing has changed: see
+    /// [`super::key`].
+    pub key: Option<String>,
 }
 
 impl Request {
@@ -90,6 +93,7 @@ impl Request {
             extras: Vec::new(),
             pictures: Vec::new(),
             force: false,
+            key: None,
         }
     }
 
@@ -214,7 +218,11 @@ impl Plan {
         for (index, name) in request.pictures.iter().enumerate() {
             push(name.clone(), Content::Picture { index });
         }
-        Self { sheets, outputs, asides: Vec::new() }
+        let asides = request.preset.map_or_else(Vec::new, |preset| asides(material, &sheets, &outputs, request, preset));
+        for (index, aside) in asides.iter().enumerate() {
+            outputs.push(Output { name: aside.name.clone(), content: Content::Aside { index } });
+        }
+        Self { sheets, outputs, asides }
     }
 
     /// The rows of one of its maps.
@@ -278,6 +286,18 @@ fn sheets(material: &Material, request: &Request) -> Vec<Sheet> {
         Some(preset) => super::sheet::arrange(material, preset),
         None => (0..material.maps.len()).map(|map| Sheet::own(material, map)).collect(),
     }
+}
+
+/// What the preset says beside the maps.
+fn asides(
+    material: &Material,
+    sheets: &[Sheet],
+    outputs: &[Output],
+    request: &Request,
+    preset: &Preset,
+) -> Vec<Aside> {
+    let _ = (material, sheets, outputs, request, preset);
+    Vec::new()
 }
 
 /// The name of a level of a map.

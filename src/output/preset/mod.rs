@@ -30,6 +30,7 @@ pub enum Slot {
 }
 
 pub struct Preset {
+    pub name: &'static str,
     pub normal_z: bool,
     pub normal_y: NormalY,
     pub packed: Option<&'static [Slot]>,
