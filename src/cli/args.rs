@@ -17,7 +17,7 @@ use crate::image::{Sides, Size, Wrap};
 use crate::kernels::Language;
 use crate::material::{DEFAULT_HEIGHT_SCALE, DEFAULT_ROUGHNESS, Extra, NormalRange, NormalY, NormalZ};
 use crate::ndf::Form;
-use crate::output::preset::Compress;
+use crate::output::preset::{Compress, PRESETS, Preset};
 use crate::output::{Format, Request};
 use crate::roughness::Alpha;
 
@@ -179,6 +179,10 @@ pub struct BuildArgs {
 
 #[derive(Args)]
 pub struct ContainerArgs {
+    /// Write what an engine loads: container, compression, packing and the green of normals, and a README.txt that says how
+    /// to load it; mipfold presets lists them
+    #[arg(long, value_name = "ENGINE", value_parser = preset)]
+    pub preset: Option<&'static Preset>,
     /// Container: png (a file a level), exr (mip-mapped, and the lobes in full), ktx2 or dds (a texture for GPUs with its
     /// mips); may be repeated [default: png, or what the preset wants]
     #[arg(long, value_enum, value_delimiter = ',', hide_possible_values = true, value_name = "png|exr|ktx2|dds")]
@@ -359,11 +363,13 @@ impl ContainerArgs {
     /// What is to be written into a folder.
     pub fn request(&self, folder: &Path, force: bool) -> Request {
         let plain = Request::new(folder);
+        let wanted = self.preset.map_or_else(|| plain.formats.clone(), |preset| vec![preset.format]);
         Request {
-            formats: if self.format.is_empty() { plain.formats.clone() } else { self.format.clone() },
+            formats: if self.format.is_empty() { wanted } else { self.format.clone() },
             depth: if self.float { Depth::Float } else { Depth::Half },
             resize: self.resize,
-            compress: self.compress.unwrap_or_default(),
+            compress: self.compress.or(self.preset.map(|preset| preset.compress)).unwrap_or_default(),
+            preset: self.preset,
             effort: match self.effort {
                 EffortArg::Fast => Effort::Fast,
                 EffortArg::Slow => Effort::Slow,
@@ -372,6 +378,13 @@ impl ContainerArgs {
             ..plain
         }
     }
+}
+
+fn preset(name: &str) -> Result<&'static Preset, String> {
+    Preset::by_name(name).map_err(|_| {
+        let names: Vec<_> = PRESETS.iter().map(|preset| preset.name).collect();
+        format!("expected one of {}", names.join(", "))
+    })
 }
 
 pub fn fold_name(name: &str) -> Result<&'static Fold, String> {

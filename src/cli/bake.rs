@@ -197,7 +197,17 @@ fn into_texture(
     let (mesh, file, uv_set) = (&bake.mesh, &args.mesh, bake.group.uv_set);
     let under = Some(Under { mesh, file, sha256, uv_set, options: baking });
     let form = args.folding.form();
-    let job = Job { inputs: &inputs, read: &read, under, flakes: None, draw: None, options, form, request, skip_if_below: None };
+    let job = Job {
+        inputs: &inputs,
+        read: &read,
+        under,
+        flakes: None,
+        draw: None,
+        options,
+        form,
+        request,
+        skip_if_below: None,
+    };
     job.run(dry_run, &report.progress).map(|done| done.built)
 }
 

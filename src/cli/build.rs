@@ -63,8 +63,17 @@ pub fn run(args: &BuildArgs, global: &Global, report: &mut Report) -> Result<()>
                     folder: folder.to_string_lossy().into_owned(),
                 }));
             }
-            let job =
-                Job { inputs, read, under: None, flakes: None, draw: None, options: &options, form, request: &request, skip_if_below: args.skip_if_below };
+            let job = Job {
+                inputs,
+                read,
+                under: None,
+                flakes: None,
+                draw: None,
+                options: &options,
+                form,
+                request: &request,
+                skip_if_below: args.skip_if_below,
+            };
             job.run(global.dry_run, &report.progress).map(|done| Outcome::Built(done.built))
         })
         .collect();

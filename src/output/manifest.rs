@@ -7,6 +7,7 @@ use serde::Serialize;
 use super::exr::{MOMENT_CHANNELS, lobe_count, role_name};
 use super::layer::{Layer, Rows};
 use super::plan::{Content, Format, Plan, Request};
+use super::sheet::Sheet;
 use super::texture::texel_format;
 use crate::codec::Depth;
 use crate::fold::{Chain, Options};
@@ -196,7 +197,7 @@ fn maps(material: &Material, chain: &Chain, plan: &Plan, request: &Request) -> V
             }
         };
         let described = OutputMap {
-            role: layer_role(material, plan, layer),
+            role: layer_role(material, &plan.sheets, layer),
             container,
             files: vec![output.name.clone()],
             encoding,
@@ -249,10 +250,11 @@ fn stored(rows: &Rows, container: Format, form: Encoding, request: &Request) -> 
     channels.into_iter().map(|(name, role)| ChannelRole { name, role }).collect()
 }
 
-fn layer_role(material: &Material, plan: &Plan, layer: Layer) -> &'static str {
+/// One word for a map.
+pub fn layer_role(material: &Material, sheets: &[Sheet], layer: Layer) -> &'static str {
     match layer {
         Layer::Sheet(i) => {
-            let sheet = &plan.sheets[i];
+            let sheet = &sheets[i];
             map_role(&(0..sheet.channels.len()).filter_map(|c| sheet.role(material, c)).collect::<Vec<_>>())
         }
         Layer::Further(FurtherMap::Lobe(_)) => "lobe",

@@ -5,8 +5,9 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use super::layer::{Layer, Rows};
+use super::manifest::layer_role;
 use super::may_build;
-use super::preset::{Aside, Compress, Preset};
+use super::preset::{Aside, Compress, Preset, Written, WrittenMap};
 use super::sheet::Sheet;
 use crate::codec::Depth;
 use crate::codec::texture::Effort;
@@ -218,7 +219,8 @@ impl Plan {
         for (index, name) in request.pictures.iter().enumerate() {
             push(name.clone(), Content::Picture { index });
         }
-        let asides = request.preset.map_or_else(Vec::new, |preset| asides(material, &sheets, &outputs, request, preset));
+        let asides =
+            request.preset.map_or_else(Vec::new, |preset| asides(material, &sheets, &outputs, request, preset));
         for (index, aside) in asides.iter().enumerate() {
             outputs.push(Output { name: aside.name.clone(), content: Content::Aside { index } });
         }
@@ -289,15 +291,30 @@ fn sheets(material: &Material, request: &Request) -> Vec<Sheet> {
 }
 
 /// What the preset says beside the maps.
-fn asides(
-    material: &Material,
-    sheets: &[Sheet],
-    outputs: &[Output],
-    request: &Request,
-    preset: &Preset,
-) -> Vec<Aside> {
-    let _ = (material, sheets, outputs, request, preset);
-    Vec::new()
+fn asides(material: &Material, sheets: &[Sheet], outputs: &[Output], request: &Request, preset: &Preset) -> Vec<Aside> {
+    let mut maps: Vec<(Layer, Vec<String>)> = Vec::new();
+    for output in outputs {
+        let layer = match output.content {
+            Content::Level { layer, .. } if request.formats[0] == Format::Png => layer,
+            Content::Levels { layer, format } if request.formats[0] == format => layer,
+            _ => continue,
+        };
+        match maps.iter_mut().find(|(known, _)| *known == layer) {
+            Some((_, files)) => files.push(output.name.clone()),
+            None => maps.push((layer, vec![output.name.clone()])),
+        }
+    }
+    let Size { width, height } = material.size;
+    let levels = material.size.level_count();
+    let written = maps.iter().map(|(layer, files)| {
+        let role = match layer {
+            Layer::Sheet(i) => sheets[*i].describe(material),
+            layer => layer_role(material, sheets, *layer),
+        };
+        WrittenMap { role, files, levels, width, height }
+    });
+    let maps: Vec<_> = written.collect();
+    preset.asides(&Written { material: &material.name, maps: &maps, wrap: material.wrap })
 }
 
 /// The name of a level of a map.
