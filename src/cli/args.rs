@@ -152,12 +152,16 @@ pub fn fold_list() -> String {
 #[derive(Args)]
 #[command(after_help = fold_list())]
 pub struct BuildArgs {
-    /// Folders of texture sets, found by file name (NAME_normal.png, NAME_roughness.png, NAME_orm.png, ...)
+    /// Folders of texture sets, found by file name (NAME_normal.png, NAME_roughness.png, NAME_orm.png, ...), with all
+    /// folders below
     #[arg(value_name = "FOLDER", conflicts_with_all = ["normal", "orm", "height", "anisotropy"])]
     pub inputs: Vec<PathBuf>,
     /// Folder for the outputs; several materials get a folder each below it
     #[arg(long, short, value_name = "DIR")]
     pub output: PathBuf,
+    /// Options for all materials or for some of them, in place of the files mipfold.toml of the folders
+    #[arg(long, value_name = "FILE")]
+    pub config: Option<PathBuf>,
     #[command(flatten)]
     pub maps: MapArgs,
     #[command(flatten)]
@@ -258,9 +262,9 @@ pub struct ReadingArgs {
     #[arg(long, value_name = "H", value_parser = positive,
           help = format!("Height of white over black, in widths of the texture [default: {DEFAULT_HEIGHT_SCALE}]"))]
     pub height_scale: Option<f32>,
-    /// What lies beyond the border
-    #[arg(long, value_enum, default_value = "repeat")]
-    pub wrap: WrapArg,
+    /// What lies beyond the border [default: repeat, but clamp for UDIM tiles]
+    #[arg(long, value_enum)]
+    pub wrap: Option<WrapArg>,
 }
 
 #[derive(Args)]
@@ -325,6 +329,13 @@ impl From<WrapArg> for Wrap {
             WrapArg::Mirror => Wrap::Mirror,
             WrapArg::Clamp => Wrap::Clamp,
         }
+    }
+}
+
+impl ReadingArgs {
+    /// What lies beyond the border, where no name tells.
+    pub fn wrap(&self) -> Wrap {
+        self.wrap.map_or(Wrap::default(), Into::into)
     }
 }
 

@@ -95,6 +95,7 @@ impl Job<'_> {
                 fold: options.fold.name,
             },
             files,
+            maps: Vec::new(),
             notes: material.notes.clone(),
             warnings: material.warnings.clone(),
             gain: None,
