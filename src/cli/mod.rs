@@ -16,6 +16,7 @@ mod job;
 mod judging;
 mod kernels;
 mod lobes_arg;
+mod presets;
 mod report;
 mod table;
 
@@ -44,6 +45,7 @@ pub fn run() -> ExitCode {
         Command::BakeCurvature(args) => bake::run(args, &cli.global, &mut report),
         Command::Glint(args) => glint::run(args, &cli.global, &mut report),
         Command::Kernels(args) => kernels::run(args, &mut report),
+        Command::Presets(args) => presets::run(args, &mut report),
     };
     if let Err(error) = result {
         report.error(&error);
