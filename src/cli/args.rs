@@ -17,7 +17,7 @@ use crate::image::{Sides, Size, Wrap};
 use crate::kernels::Language;
 use crate::material::{DEFAULT_HEIGHT_SCALE, DEFAULT_ROUGHNESS, Extra, NormalRange, NormalY, NormalZ};
 use crate::ndf::Form;
-use crate::output::preset::Compress;
+use crate::output::preset::{Compress, PRESETS, Preset};
 use crate::output::{Format, Request};
 use crate::roughness::Alpha;
 
@@ -52,7 +52,7 @@ pub struct Global {
     /// Read and check everything, say what would be written, write nothing
     #[arg(long, global = true)]
     pub dry_run: bool,
-    /// Replace files that mipfold did not write
+    /// Replace files that mipfold did not write, and build what is unchanged again
     #[arg(long, short, global = true)]
     pub force: bool,
 }
@@ -161,12 +161,16 @@ pub fn fold_list() -> String {
 #[derive(Args)]
 #[command(after_help = fold_list())]
 pub struct BuildArgs {
-    /// Folders of texture sets, found by file name (NAME_normal.png, NAME_roughness.png, NAME_orm.png, ...)
+    /// Folders of texture sets, found by file name (NAME_normal.png, NAME_roughness.png, NAME_orm.png, ...), with all
+    /// folders below
     #[arg(value_name = "FOLDER", conflicts_with_all = ["normal", "orm", "height", "anisotropy"])]
     pub inputs: Vec<PathBuf>,
     /// Folder for the outputs; several materials get a folder each below it
     #[arg(long, short, value_name = "DIR")]
     pub output: PathBuf,
+    /// Options for all materials or for some of them, in place of the files mipfold.toml of the folders
+    #[arg(long, value_name = "FILE")]
+    pub config: Option<PathBuf>,
     #[command(flatten)]
     pub maps: MapArgs,
     #[command(flatten)]
@@ -178,6 +182,9 @@ pub struct BuildArgs {
     /// Also write the raw LEAN slope moments as mip-mapped EXR (OpenImageIO's bumpslopes channels)
     #[arg(long)]
     pub moments: bool,
+    /// Write nothing for a material whose roughness folding changes by less than this (in 99 of 100 texels)
+    #[arg(long, value_name = "R", value_parser = unit)]
+    pub skip_if_below: Option<f32>,
     /// Further maps, each at every level; may be repeated
     #[arg(long, value_enum, value_name = "MAP", value_delimiter = ',')]
     pub extra: Vec<Extra>,
@@ -185,6 +192,10 @@ pub struct BuildArgs {
 
 #[derive(Args)]
 pub struct ContainerArgs {
+    /// Write what an engine loads: container, compression, packing and the green of normals, and a README.txt that says how
+    /// to load it; mipfold presets lists them
+    #[arg(long, value_name = "ENGINE", value_parser = preset)]
+    pub preset: Option<&'static Preset>,
     /// Container: png (a file a level), exr (mip-mapped, and the lobes in full), ktx2 or dds (a texture for GPUs with its
     /// mips); may be repeated [default: png, or what the preset wants]
     #[arg(long, value_enum, value_delimiter = ',', hide_possible_values = true, value_name = "png|exr|ktx2|dds")]
@@ -260,9 +271,9 @@ pub struct ReadingArgs {
     #[arg(long, value_name = "H", value_parser = positive,
           help = format!("Height of white over black, in widths of the texture [default: {DEFAULT_HEIGHT_SCALE}]"))]
     pub height_scale: Option<f32>,
-    /// What lies beyond the border
-    #[arg(long, value_enum, default_value = "repeat")]
-    pub wrap: WrapArg,
+    /// What lies beyond the border [default: repeat, but clamp for UDIM tiles]
+    #[arg(long, value_enum)]
+    pub wrap: Option<WrapArg>,
 }
 
 #[derive(Args)]
@@ -330,6 +341,13 @@ impl From<WrapArg> for Wrap {
     }
 }
 
+impl ReadingArgs {
+    /// What lies beyond the border, where no name tells.
+    pub fn wrap(&self) -> Wrap {
+        self.wrap.map_or(Wrap::default(), Into::into)
+    }
+}
+
 impl FoldArgs {
     /// As asked for, if it was.
     pub fn form(&self) -> Option<Form> {
@@ -365,11 +383,13 @@ impl ContainerArgs {
     /// What is to be written into a folder.
     pub fn request(&self, folder: &Path, force: bool) -> Request {
         let plain = Request::new(folder);
+        let wanted = self.preset.map_or_else(|| plain.formats.clone(), |preset| vec![preset.format]);
         Request {
-            formats: if self.format.is_empty() { plain.formats.clone() } else { self.format.clone() },
+            formats: if self.format.is_empty() { wanted } else { self.format.clone() },
             depth: if self.float { Depth::Float } else { Depth::Half },
             resize: self.resize,
-            compress: self.compress.unwrap_or_default(),
+            compress: self.compress.or(self.preset.map(|preset| preset.compress)).unwrap_or_default(),
+            preset: self.preset,
             effort: match self.effort {
                 EffortArg::Fast => Effort::Fast,
                 EffortArg::Slow => Effort::Slow,
@@ -378,6 +398,13 @@ impl ContainerArgs {
             ..plain
         }
     }
+}
+
+fn preset(name: &str) -> Result<&'static Preset, String> {
+    Preset::by_name(name).map_err(|_| {
+        let names: Vec<_> = PRESETS.iter().map(|preset| preset.name).collect();
+        format!("expected one of {}", names.join(", "))
+    })
 }
 
 pub fn fold_name(name: &str) -> Result<&'static Fold, String> {

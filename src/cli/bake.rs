@@ -4,7 +4,7 @@ use std::collections::hash_map::Entry;
 use std::collections::{BTreeSet, HashMap};
 use std::path::Path;
 
-use super::args::{BakeArgs, Global, WrapArg};
+use super::args::{BakeArgs, Global};
 use super::build::output_folders;
 use super::inputs::{given_width, read_as, single};
 use super::job::{Job, NORMALS_COMPUTED, Under};
@@ -13,6 +13,7 @@ use crate::codec;
 use crate::curvature::{BakeOptions, LoadOptions, Mesh, load, vertex_curvature};
 use crate::error::{Error, Result};
 use crate::fold::Options;
+use crate::image::Wrap;
 use crate::material::{Extra, Inputs, Model, NormalRange, NormalY, NormalZ, RoughnessInput, Surface};
 use crate::output::{MANIFEST, Request, may_build, vertices_name, write_vertices};
 
@@ -162,7 +163,7 @@ fn flagged(args: &BakeArgs) -> Result<Option<Inputs>> {
         && reading.normal_range == NormalRange::default()
         && reading.normal_scale == 1.0
         && reading.height_scale.is_none()
-        && matches!(reading.wrap, WrapArg::Repeat);
+        && reading.wrap() == Wrap::default();
     if as_they_are {
         return Ok(None);
     }
@@ -197,7 +198,17 @@ fn into_texture(
     let (mesh, file, uv_set) = (&bake.mesh, &args.mesh, bake.group.uv_set);
     let under = Some(Under { mesh, file, sha256, uv_set, options: baking });
     let form = args.folding.form();
-    let job = Job { inputs: &inputs, read: &read, under, flakes: None, draw: None, options, form, request };
+    let job = Job {
+        inputs: &inputs,
+        read: &read,
+        under,
+        flakes: None,
+        draw: None,
+        options,
+        form,
+        request,
+        skip_if_below: None,
+    };
     job.run(dry_run, &report.progress).map(|done| done.built)
 }
 
@@ -211,10 +222,13 @@ fn at_vertices(bake: &Bake, folder: &Path, global: &Global) -> Result<Built> {
         write_vertices(folder, name, mesh, &vertex_curvature(mesh), global.force)?;
     }
     Ok(Built {
+        gain: None,
+        skipped: false,
         name: name.clone(),
         folder: folder.to_string_lossy().into_owned(),
         extent: Extent::Vertices { vertices: mesh.positions.len(), triangles: mesh.triangles.len() },
         files: vec![file, MANIFEST.into()],
+        maps: Vec::new(),
         notes: vec!["no texture coordinates: curvature at the vertices".into()],
         warnings: if mesh.normals_computed { vec![NORMALS_COMPUTED.into()] } else { vec![] },
     })

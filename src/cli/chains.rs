@@ -138,7 +138,7 @@ fn maps(text: &str, pairs: &[(&str, &str)], reading: &ReadingArgs) -> Result<Inp
         normal_z: reading.normal_z,
         normal_range: reading.normal_range,
         normal_scale: Some(reading.normal_scale),
-        wrap: reading.wrap.into(),
+        wrap: reading.wrap(),
         ..Inputs::default()
     };
     let mut widths = 0;

@@ -165,7 +165,7 @@ impl LookArgs {
     pub fn settings(&self, size: Size, reading: &ReadingArgs) -> Result<Settings> {
         let interpolation = match self.interpolation {
             InterpolationArg::Constant => Interpolation::Constant,
-            InterpolationArg::Bilinear => Interpolation::Bilinear { per_side: PER_SIDE, wrap: reading.wrap.into() },
+            InterpolationArg::Bilinear => Interpolation::Bilinear { per_side: PER_SIDE, wrap: reading.wrap() },
         };
         Ok(Settings {
             texels: (self.texels < usize::MAX).then_some(self.texels),

@@ -80,8 +80,17 @@ fn one(sample: &Sample, args: &DemoArgs, options: &Options, global: &Global, rep
     };
     let request = Request { force: global.force, ..Request::new(folder.join("mips")) };
     let form = args.folding.form();
-    let job =
-        Job { inputs: &inputs, read: &read, under: None, flakes: None, draw: None, options, form, request: &request };
+    let job = Job {
+        inputs: &inputs,
+        read: &read,
+        under: None,
+        flakes: None,
+        draw: None,
+        options,
+        form,
+        request: &request,
+        skip_if_below: None,
+    };
     let Done { material, options, chain: folded, built } = job.run(global.dry_run, &report.progress)?;
     report.built(built);
     if let Some(folded) = folded {

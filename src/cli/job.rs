@@ -12,7 +12,7 @@ use crate::error::Result;
 use crate::fold::{Chain, Options};
 use crate::material::{Extra, Inputs, Material, MeshAbout, MeshUnder, ReadPicture, Texels, load_with};
 use crate::ndf::Form;
-use crate::output::{MANIFEST, Plan, Request, fold_for, write_with};
+use crate::output::{MANIFEST, Plan, Request, fold_for, gain, write_with};
 
 /// What to build, and how.
 pub struct Job<'a> {
@@ -28,6 +28,8 @@ pub struct Job<'a> {
     /// One width or two; if it was not said, two where the inputs are anisotropic.
     pub form: Option<Form>,
     pub request: &'a Request,
+    /// Nothing is written where folding changes the roughness by less than this.
+    pub skip_if_below: Option<f32>,
 }
 
 /// Makes the files of pictures of a folded material.
@@ -83,7 +85,7 @@ impl Job<'_> {
             under.bake_into(&mut material, dry_run, &|share| portion.show(share))?;
         }
         let files = plan.outputs.iter().map(|o| o.name.clone()).chain([MANIFEST.to_owned()]).collect();
-        let built = Built {
+        let mut built = Built {
             name: material.name.clone(),
             folder: request.folder.to_string_lossy().into_owned(),
             extent: Extent::Texture {
@@ -93,8 +95,11 @@ impl Job<'_> {
                 fold: options.fold.name,
             },
             files,
+            maps: Vec::new(),
             notes: material.notes.clone(),
             warnings: material.warnings.clone(),
+            gain: None,
+            skipped: false,
         };
         if dry_run {
             return Ok(Done { material, options, chain: None, built });
@@ -103,6 +108,14 @@ impl Job<'_> {
         bar.set_message(format!("folding {name}"));
         let chain = fold_for(&material, &options, &request.extras, &|share| folding.show(share));
         folding.show(1.0);
+        let gain = gain(&chain);
+        built.gain = Some(gain);
+        if self.skip_if_below.is_some_and(|least| gain.roughness < least) {
+            built.skipped = true;
+            built.files.clear();
+            writing.show(1.0);
+            return Ok(Done { material, options, chain: Some(chain), built });
+        }
         let pictures = self.draw.map_or_else(Vec::new, |draw| draw(&material, &chain));
         bar.set_message(format!("writing {name}"));
         let (files, written) = (plan.outputs.len(), AtomicUsize::new(0));

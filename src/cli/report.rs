@@ -11,6 +11,7 @@ use serde::Serialize;
 
 use super::args::Global;
 use crate::error::Error;
+use crate::output::Gain;
 
 /// One material that was built, or would be.
 #[derive(Serialize)]
@@ -20,8 +21,53 @@ pub struct Built {
     #[serde(flatten)]
     pub extent: Extent,
     pub files: Vec<String>,
+    /// What it is made from, where names were looked at.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub maps: Vec<MapSaid>,
     pub notes: Vec<String>,
     pub warnings: Vec<String>,
+    /// How far it is from plain mips, if it was folded.
+    pub gain: Option<Gain>,
+    /// Whether nothing was written, for that is too little.
+    pub skipped: bool,
+}
+
+/// A material that was built before, of the same inputs, options and version.
+#[derive(Serialize)]
+pub struct Unchanged {
+    pub name: String,
+    pub folder: String,
+}
+
+/// A map of a material, and why it is one.
+#[derive(Clone, Serialize)]
+pub struct MapSaid {
+    pub role: &'static str,
+    pub file: String,
+    /// Of a packed map.
+    pub channel: Option<&'static str>,
+    pub why: String,
+}
+
+impl Display for MapSaid {
+    fn fmt(&self, f: &mut Formatter) -> std::fmt::Result {
+        let channel = self.channel.map(|channel| format!(", {channel}")).unwrap_or_default();
+        write!(f, "{}: {}{channel} ({})", self.role, self.file, self.why)
+    }
+}
+
+/// A file or folder that plays no part.
+#[derive(Serialize)]
+pub struct Passed {
+    pub path: String,
+    pub why: String,
+}
+
+/// A texture of several tiles, each of which is a material.
+#[derive(Serialize)]
+pub struct Tiles {
+    pub name: String,
+    pub tiles: Vec<String>,
 }
 
 /// What was built.
@@ -50,6 +96,14 @@ struct Json<'a> {
     schema: u32,
     dry_run: bool,
     materials: &'a [Built],
+    #[serde(skip_serializing_if = "<[_]>::is_empty")]
+    unchanged: &'a [Unchanged],
+    #[serde(skip_serializing_if = "<[_]>::is_empty")]
+    udim: &'a [Tiles],
+    #[serde(skip_serializing_if = "<[_]>::is_empty")]
+    passed_over: &'a [Passed],
+    #[serde(skip_serializing_if = "<[_]>::is_empty")]
+    warnings: &'a [String],
     errors: &'a [String],
 }
 
@@ -59,6 +113,11 @@ pub struct Report {
     quiet: bool,
     dry_run: bool,
     built: Vec<Built>,
+    unchanged: Vec<Unchanged>,
+    udim: Vec<Tiles>,
+    passed_over: Vec<Passed>,
+    /// Of no material.
+    warnings: Vec<String>,
     errors: Vec<String>,
     /// Whether a check failed.
     failed: bool,
@@ -82,6 +141,10 @@ impl Report {
             quiet: global.quiet,
             dry_run: global.dry_run,
             built: vec![],
+            unchanged: vec![],
+            udim: vec![],
+            passed_over: vec![],
+            warnings: vec![],
             errors: vec![],
             failed: false,
             document: None,
@@ -116,7 +179,15 @@ impl Report {
 
     pub fn built(&mut self, built: Built) {
         let verb = if self.dry_run { "would write" } else { "wrote" };
-        self.say(&format!("{}: {}: {verb} {} files to {}", built.name, built.extent, built.files.len(), built.folder));
+        let done = match built.skipped {
+            true => "skipped, nothing written".to_owned(),
+            false => format!("{verb} {} files to {}", built.files.len(), built.folder),
+        };
+        self.say(&format!("{}: {}: {done}", built.name, built.extent));
+        built.gain.iter().for_each(|gain| self.say(&format!("  {}", gain.describe())));
+        if self.dry_run {
+            built.maps.iter().for_each(|map| self.say(&format!("  {map}")));
+        }
         built.notes.iter().for_each(|note| self.say(&format!("  {note}")));
         if self.dry_run {
             built.files.iter().for_each(|file| self.say(&format!("  {file}")));
@@ -126,6 +197,33 @@ impl Report {
             self.warning(&format!("{name}{warning}"));
         }
         self.built.push(built);
+    }
+
+    pub fn unchanged(&mut self, unchanged: Unchanged) {
+        self.say(&format!("{}: unchanged in {}; --force builds it again", unchanged.name, unchanged.folder));
+        self.unchanged.push(unchanged);
+    }
+
+    pub fn tiles(&mut self, tiles: Tiles) {
+        let (first, last) = (tiles.tiles.first().expect("one at least"), tiles.tiles.last().expect("one at least"));
+        let count = tiles.tiles.len();
+        let said = if count == 1 { format!("1 tile], {first}") } else { format!("{count} tiles], {first} to {last}") };
+        self.say(&format!("{}: [UDIM: {said}", tiles.name));
+        self.udim.push(tiles);
+    }
+
+    /// People see it in a dry run, programs always.
+    pub fn passed_over(&mut self, passed: Passed) {
+        if self.dry_run {
+            self.say(&format!("passed over: {}: {}", passed.path, passed.why));
+        }
+        self.passed_over.push(passed);
+    }
+
+    /// A warning about no material alone.
+    pub fn warn(&mut self, text: String) {
+        self.warning(&text);
+        self.warnings.push(text);
     }
 
     pub fn warning(&self, text: &str) {
@@ -156,8 +254,9 @@ impl Report {
     pub fn finish(self) -> ExitCode {
         self.progress.finish_and_clear();
         if self.json {
-            let Report { built, errors, dry_run, .. } = &self;
-            let json = Json { schema: 1, dry_run: *dry_run, materials: built, errors };
+            let Report { built, unchanged, udim, passed_over, warnings, errors, dry_run, .. } = &self;
+            let (materials, dry_run) = (built.as_slice(), *dry_run);
+            let json = Json { schema: 1, dry_run, materials, unchanged, udim, passed_over, warnings, errors };
             let list = || serde_json::to_string_pretty(&json).expect("plain data");
             let document = self.document.as_ref().filter(|_| errors.is_empty());
             self.out(document.map_or_else(list, |text| text.trim_end().to_owned()).as_str());

@@ -3,7 +3,8 @@
 use super::Size;
 
 /// A rule for both sides of level 0.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
 pub enum Sides {
     /// None
     #[default]

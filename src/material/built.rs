@@ -1,5 +1,6 @@
 //! What an earlier build left in a folder.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use serde::Deserialize;
@@ -16,6 +17,15 @@ pub const PICTURES: [&str; 4] = ["glints.png", "glints_zoom.png", "glints_pan.pn
 /// Version of the manifest's form; fields are added, never renamed.
 pub const SCHEMA: u32 = 1;
 
+/// Whether a text of this name may lie beside a chain: what engines are told about it.
+fn is_aside(name: &str) -> bool {
+    let plain = Path::new(name).components().count() == 1 && Path::new(name).file_name().is_some();
+    plain && (ASIDES.contains(&name) || [".ktx2.meta", ".dds.meta"].iter().any(|ending| name.ends_with(ending)))
+}
+
+/// Names of texts that may lie beside a chain.
+pub const ASIDES: [&str; 2] = ["README.txt", "MipfoldMips.cs"];
+
 /// An earlier build, by its manifest.
 #[derive(Debug, Default)]
 pub struct Earlier {
@@ -23,6 +33,10 @@ pub struct Earlier {
     pub material: String,
     /// The files that it wrote, the manifest among them.
     pub files: Vec<String>,
+    /// All that it was made of, as one number.
+    pub key: Option<String>,
+    /// SHA-256 of each file but the manifest, hexadecimal.
+    pub digests: BTreeMap<String, String>,
 }
 
 impl Earlier {
@@ -39,6 +53,11 @@ impl Earlier {
             maps: Vec<Map>,
             #[serde(default)]
             pictures: Vec<String>,
+            #[serde(default)]
+            asides: Vec<String>,
+            key: Option<String>,
+            #[serde(default)]
+            sha256: BTreeMap<String, String>,
         }
         let text = std::fs::read(folder.join(MANIFEST)).ok()?;
         let manifest: Manifest = serde_json::from_slice(&text).ok()?;
@@ -52,8 +71,12 @@ impl Earlier {
         };
         let pictures = manifest.pictures.into_iter().filter(|name| PICTURES.contains(&name.as_str()));
         let maps = manifest.maps.into_iter().flat_map(|map| map.files).filter(ours);
-        let files = maps.chain(pictures).chain([MANIFEST.to_owned()]);
-        (manifest.generator == GENERATOR).then(|| Self { material: manifest.material, files: files.collect() })
+        let asides = manifest.asides.into_iter().filter(|name| is_aside(name));
+        let files: Vec<_> = maps.chain(pictures).chain(asides).chain([MANIFEST.to_owned()]).collect();
+        let mut digests = manifest.sha256;
+        digests.retain(|name, _| files.contains(name));
+        let (material, key) = (manifest.material, manifest.key);
+        (manifest.generator == GENERATOR).then(|| Self { material, files, key, digests })
     }
 
     /// Whether it wrote a file of this name; file systems that ignore case exist.

@@ -19,6 +19,7 @@ mod names;
 mod pack;
 mod resample;
 mod role;
+mod set;
 mod source;
 mod texels;
 
@@ -34,6 +35,7 @@ pub use inspect::Findings;
 pub use levels::{Container, LOBE_CHANNELS, LevelChain, lobe_channels, read_folder, read_lobes, read_maps};
 pub use load::{ReadPicture, load, load_with};
 pub use lobes::{base_lobes, surface_lobes};
+pub use names::Tile;
 pub(crate) use pack::quantised;
 pub use pack::{Encoding, LevelView};
 pub use role::{NormalRange, NormalY, NormalZ, Role};

@@ -2,8 +2,8 @@
 
 use ndarray::Array3;
 
-use super::energy::{albedo, energy_scale};
 use super::exr::view;
+use super::fold_for::{albedo, energy_scale};
 use crate::fold::{Chain, Level};
 use crate::image::{Raster, Samples, Size};
 use crate::material::{Encoding, Extra, LARGEST_ENERGY, LevelView, Material, Texels};

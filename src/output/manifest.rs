@@ -1,10 +1,13 @@
 //! What was built, for other programs.
 
+use std::collections::BTreeMap;
+
 use serde::Serialize;
 
 use super::exr::{MOMENT_CHANNELS, lobe_count, role_name};
 use super::layer::{Layer, Rows};
 use super::plan::{Content, Format, Plan, Request};
+use super::sheet::Sheet;
 use super::texture::texel_format;
 use crate::codec::Depth;
 use crate::fold::{Chain, Options};
@@ -47,8 +50,16 @@ pub struct Manifest {
     /// For people.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pictures: Vec<String>,
+    /// Texts beside the maps.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    asides: Vec<String>,
     notes: Vec<String>,
     warnings: Vec<String>,
+    /// All that the build is made of, as one number.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    key: Option<String>,
+    /// SHA-256 of each file, hexadecimal.
+    sha256: BTreeMap<String, String>,
 }
 
 /// An input file.
@@ -87,8 +98,15 @@ pub struct OutputMap {
 }
 
 impl Manifest {
-    /// Describes a build.
-    pub fn new(material: &Material, chain: &Chain, options: &Options, plan: &Plan, request: &Request) -> Self {
+    /// Describes a build, with the SHA-256 of each of its files.
+    pub fn new(
+        material: &Material,
+        chain: &Chain,
+        options: &Options,
+        plan: &Plan,
+        request: &Request,
+        sha256: BTreeMap<String, String>,
+    ) -> Self {
         let constant = material
             .maps
             .iter()
@@ -118,8 +136,11 @@ impl Manifest {
             inputs: inputs(material),
             maps: maps(material, chain, plan, request),
             pictures: request.pictures.clone(),
+            asides: plan.asides.iter().map(|aside| aside.name.clone()).collect(),
             notes: material.notes.clone(),
             warnings: material.warnings.clone(),
+            key: request.key.clone(),
+            sha256,
         }
     }
 }
@@ -176,7 +197,7 @@ fn maps(material: &Material, chain: &Chain, plan: &Plan, request: &Request) -> V
             }
         };
         let described = OutputMap {
-            role: layer_role(material, plan, layer),
+            role: layer_role(material, &plan.sheets, layer),
             container,
             files: vec![output.name.clone()],
             encoding,
@@ -229,10 +250,11 @@ fn stored(rows: &Rows, container: Format, form: Encoding, request: &Request) -> 
     channels.into_iter().map(|(name, role)| ChannelRole { name, role }).collect()
 }
 
-fn layer_role(material: &Material, plan: &Plan, layer: Layer) -> &'static str {
+/// One word for a map.
+pub fn layer_role(material: &Material, sheets: &[Sheet], layer: Layer) -> &'static str {
     match layer {
         Layer::Sheet(i) => {
-            let sheet = &plan.sheets[i];
+            let sheet = &sheets[i];
             map_role(&(0..sheet.channels.len()).filter_map(|c| sheet.role(material, c)).collect::<Vec<_>>())
         }
         Layer::Further(FurtherMap::Lobe(_)) => "lobe",

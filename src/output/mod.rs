@@ -1,8 +1,10 @@
 //! A chain becomes files: PNG per level, mip-mapped EXR, KTX 2 and DDS, lobes, moments, manifest; whole or not at all.
 
-mod energy;
 mod exr;
 mod extra;
+mod fold_for;
+mod fresh;
+mod gain;
 mod layer;
 mod manifest;
 mod plan;
@@ -15,7 +17,9 @@ mod vertices;
 mod write;
 
 pub use crate::material::{MANIFEST, SCHEMA};
-pub use energy::fold_for;
+pub use fold_for::fold_for;
+pub use fresh::{file_digest, is_fresh, key};
+pub use gain::{Gain, gain};
 pub use layer::{Layer, Rows};
 pub use manifest::{Input, Manifest, OutputMap};
 pub use plan::{Content, Format, Output, Plan, Request, safe_name};

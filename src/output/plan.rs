@@ -5,8 +5,9 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use super::layer::{Layer, Rows};
+use super::manifest::layer_role;
 use super::may_build;
-use super::preset::{Aside, Compress, Preset};
+use super::preset::{Aside, Compress, Preset, Written, WrittenMap};
 use super::sheet::Sheet;
 use crate::codec::Depth;
 use crate::codec::texture::Effort;
@@ -73,6 +74,9 @@ pub struct Request {
     pub pictures: Vec<String>,
     /// Whether files that mipfold did not write may be replaced.
     pub force: bool,
+    /// All that the build is made of as one number, by which a later one knows that nothing has changed: see
+    /// [`super::key`].
+    pub key: Option<String>,
 }
 
 impl Request {
@@ -90,6 +94,7 @@ impl Request {
             extras: Vec::new(),
             pictures: Vec::new(),
             force: false,
+            key: None,
         }
     }
 
@@ -214,7 +219,12 @@ impl Plan {
         for (index, name) in request.pictures.iter().enumerate() {
             push(name.clone(), Content::Picture { index });
         }
-        Self { sheets, outputs, asides: Vec::new() }
+        let asides =
+            request.preset.map_or_else(Vec::new, |preset| asides(material, &sheets, &outputs, request, preset));
+        for (index, aside) in asides.iter().enumerate() {
+            outputs.push(Output { name: aside.name.clone(), content: Content::Aside { index } });
+        }
+        Self { sheets, outputs, asides }
     }
 
     /// The rows of one of its maps.
@@ -278,6 +288,33 @@ fn sheets(material: &Material, request: &Request) -> Vec<Sheet> {
         Some(preset) => super::sheet::arrange(material, preset),
         None => (0..material.maps.len()).map(|map| Sheet::own(material, map)).collect(),
     }
+}
+
+/// What the preset says beside the maps.
+fn asides(material: &Material, sheets: &[Sheet], outputs: &[Output], request: &Request, preset: &Preset) -> Vec<Aside> {
+    let mut maps: Vec<(Layer, Vec<String>)> = Vec::new();
+    for output in outputs {
+        let layer = match output.content {
+            Content::Level { layer, .. } if request.formats[0] == Format::Png => layer,
+            Content::Levels { layer, format } if request.formats[0] == format => layer,
+            _ => continue,
+        };
+        match maps.iter_mut().find(|(known, _)| *known == layer) {
+            Some((_, files)) => files.push(output.name.clone()),
+            None => maps.push((layer, vec![output.name.clone()])),
+        }
+    }
+    let Size { width, height } = material.size;
+    let levels = material.size.level_count();
+    let written = maps.iter().map(|(layer, files)| {
+        let role = match layer {
+            Layer::Sheet(i) => sheets[*i].describe(material),
+            layer => layer_role(material, sheets, *layer),
+        };
+        WrittenMap { role, files, levels, width, height }
+    });
+    let maps: Vec<_> = written.collect();
+    preset.asides(&Written { material: &material.name, maps: &maps, wrap: material.wrap })
 }
 
 /// The name of a level of a map.

@@ -88,6 +88,23 @@ impl Sheet {
         }
     }
 
+    /// One word for a map of an engine: "packed" where the roughness shares it.
+    pub fn describe(&self, material: &Material) -> &'static str {
+        let roles = (0..self.channels.len()).map(|c| (self.role_name(material, c), self.role(material, c)));
+        let mut shared = false;
+        let mut kind = "roughness";
+        for (name, role) in roles {
+            shared |= matches!(name, "occlusion" | "metalness" | "constant");
+            kind = match role {
+                Some(Role::NormalX) => return "normal",
+                Some(Role::AnisotropyX) => return "anisotropy",
+                Some(Role::Smoothness) => "smoothness",
+                _ => kind,
+            };
+        }
+        if shared { "packed" } else { kind }
+    }
+
     /// The first channel of a role.
     pub fn channel(&self, material: &Material, role: Role) -> Option<usize> {
         (0..self.channels.len()).find(|i| self.role(material, *i) == Some(role))

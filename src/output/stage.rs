@@ -1,12 +1,14 @@
 //! Files of which none appears before all are written.
 
+use std::collections::BTreeMap;
 use std::fs;
-use std::io::{BufWriter, Write};
+use std::io::{BufWriter, Seek, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
 use tempfile::NamedTempFile;
 
+use super::fresh::sha256_of;
 use crate::error::{Error, Result};
 use crate::material::{Earlier, MANIFEST};
 
@@ -17,6 +19,8 @@ pub struct Stage {
     /// Folders that did not exist before, outermost first.
     made: Vec<PathBuf>,
     files: Mutex<Vec<(NamedTempFile, PathBuf)>>,
+    /// SHA-256 of each file by its name.
+    digests: Mutex<BTreeMap<String, String>>,
 }
 
 impl Stage {
@@ -29,7 +33,7 @@ impl Stage {
         let mut made: Vec<_> = missing.map(Path::to_owned).collect();
         made.reverse();
         fs::create_dir_all(folder).map_err(|e| Error::io(folder, e))?;
-        Ok(Self { folder: folder.to_owned(), made, files: Mutex::default() })
+        Ok(Self { folder: folder.to_owned(), made, files: Mutex::default(), digests: Mutex::default() })
     }
 
     /// Writes a file through `fill`, under a temporary name. Safe to call from several threads.
@@ -48,11 +52,27 @@ impl Stage {
             fill(&mut out)?;
             out.flush()?;
             drop(out);
+            file.as_file().rewind()?;
+            let digest = sha256_of(file.as_file())?;
+            self.digests.lock().expect("no writer panics").insert(name.to_owned(), digest);
             Ok(file)
         };
         let file = staged().map_err(|e| Error::io(&path, e))?;
         self.files.lock().expect("no writer panics").push((file, path));
         Ok(())
+    }
+
+    /// SHA-256 of the files that are written so far, hexadecimal, by their names.
+    pub fn digests(&self) -> BTreeMap<String, String> {
+        self.digests.lock().expect("no writer panics").clone()
+    }
+
+    /// Keeps other builds from renaming files in this folder at the same time, until it is dropped. Only where the system
+    /// lets folders be locked; elsewhere the last build's names win, one by one.
+    pub fn lock(&self) -> Option<fs::File> {
+        let folder = fs::File::open(&self.folder).ok()?;
+        folder.lock().ok()?;
+        Some(folder)
     }
 
     /// Gives all files their names; the one called `last` comes last, so that it speaks for finished files only. Then

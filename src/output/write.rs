@@ -58,9 +58,6 @@ pub fn write_with(
         return Err(Error::invalid_option("map of flakes", "none", "a material with maps of its flakes"));
     }
     let names: Vec<&str> = plan.outputs.iter().map(|output| output.name.as_str()).collect();
-    let input = |name: &String| plan::reads(material, &request.folder.join(name));
-    let mut stale = stale(&request.folder, &material.name, &names);
-    stale.retain(|name| !input(name));
     let stage = Stage::new(&request.folder)?;
     plan.outputs.par_iter().try_for_each(|output| {
         let rows = |layer| plan.rows(material, chain, request, layer);
@@ -84,9 +81,12 @@ pub fn write_with(
         done();
         Ok(())
     })?;
-    let manifest = Manifest::new(material, chain, options, plan, request);
+    let manifest = Manifest::new(material, chain, options, plan, request, stage.digests());
     let text = serde_json::to_string_pretty(&manifest).expect("plain data");
     stage.write(MANIFEST, |out| out.write_all(text.as_bytes()).and_then(|()| out.write_all(b"\n")))?;
+    let _alone = stage.lock();
+    let mut stale = stale(&request.folder, &material.name, &names);
+    stale.retain(|name| !plan::reads(material, &request.folder.join(name)));
     stage.commit(MANIFEST, &stale)
 }
 

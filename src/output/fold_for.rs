@@ -1,21 +1,23 @@
-//! What a folded lobe reflects, beside what its footprint does.
+//! A fold with what extra maps and the verdict need beside the lobes.
 
 use crate::curvature;
-use crate::fold::{Chain, Options, chain_telling};
+use crate::fold::{Chain, Level, Options, chain_telling};
 use crate::image::Size;
 use crate::material::{Extra, LARGEST_ENERGY, Material, Texels};
 use crate::ndf::RoughnessTensor;
 use crate::reference::average_albedo;
 use crate::roughness::Alpha;
 
-/// Folds a material, with all that its extra maps show; `done` as of [`chain_telling`].
+/// Folds a material, with all that its extra maps show, and with what plain mips of its roughness would be; `done` as of
+/// [`chain_telling`].
 pub fn fold_for(material: &Material, options: &Options, extras: &[Extra], done: &(dyn Fn(f64) + Sync)) -> Chain {
     let options = Options { mean_length: extras.contains(&Extra::Diffuse), ..*options };
-    if extras.contains(&Extra::Energy) {
-        chain_telling(&WithAlbedo(material), &options, done)
-    } else {
-        chain_telling(material, &options, done)
-    }
+    chain_telling(&WithMore { material, albedo: extras.contains(&Extra::Energy) }, &options, done)
+}
+
+/// The channel of [`fold_for`]'s chain that holds the plain average of the perceptual roughness.
+pub fn plain_roughness(level: &Level) -> usize {
+    level.extras.dim().0 - 1
 }
 
 /// Single-scattering albedo of a lobe, averaged over views by their cosine. Two widths count by their geometric mean.
@@ -28,47 +30,53 @@ pub fn energy_scale(footprint: f32, own: f32) -> f32 {
     (footprint / own).clamp(0.0, LARGEST_ENERGY)
 }
 
-/// A surface with its albedo as one more channel that is averaged plainly: the last.
-struct WithAlbedo<'a>(&'a Material);
+/// A surface with more channels that are averaged plainly: its albedo, if that is wanted, and its perceptual roughness.
+struct WithMore<'a> {
+    material: &'a Material,
+    albedo: bool,
+}
 
-impl Texels for WithAlbedo<'_> {
+impl Texels for WithMore<'_> {
     fn size(&self) -> Size {
-        self.0.size()
+        self.material.size()
     }
 
     fn normals(&self, y: usize, x: usize, out: [&mut [f32]; 3], coverage: &mut [f32]) {
-        self.0.normals(y, x, out, coverage);
+        self.material.normals(y, x, out, coverage);
     }
 
     fn perceptual(&self, y: usize, x: usize, out: &mut [f32]) {
-        self.0.perceptual(y, x, out);
+        self.material.perceptual(y, x, out);
     }
 
     fn is_anisotropic(&self) -> bool {
-        self.0.is_anisotropic()
+        self.material.is_anisotropic()
     }
 
     fn tensors(&self, y: usize, x: usize, perceptual: &[f32], out: [&mut [f32]; 3]) {
-        self.0.tensors(y, x, perceptual, out);
+        self.material.tensors(y, x, perceptual, out);
     }
 
     fn curvature(&self) -> Option<&[curvature::Level]> {
-        self.0.curvature()
+        self.material.curvature()
     }
 
     fn extras(&self) -> usize {
-        self.0.extras() + 1
+        self.material.extras() + usize::from(self.albedo) + 1
     }
 
     fn extra(&self, index: usize, y: usize, x: usize, out: &mut [f32]) {
-        if index < self.0.extras() {
-            return self.0.extra(index, y, x, out);
+        if index < self.material.extras() {
+            return self.material.extra(index, y, x, out);
         }
-        self.0.perceptual(y, x, out);
-        if self.0.is_anisotropic() {
+        self.material.perceptual(y, x, out);
+        if index + 1 == self.extras() {
+            return;
+        }
+        if self.material.is_anisotropic() {
             let perceptual = out.to_vec();
             let [mut xx, mut xy, mut yy] = [perceptual.clone(), perceptual.clone(), perceptual.clone()];
-            self.0.tensors(y, x, &perceptual, [&mut xx, &mut xy, &mut yy]);
+            self.material.tensors(y, x, &perceptual, [&mut xx, &mut xy, &mut yy]);
             let tensor = |i| RoughnessTensor { xx: xx[i], xy: xy[i], yy: yy[i] };
             out.iter_mut().enumerate().for_each(|(i, out)| *out = albedo(tensor(i)));
         } else {

@@ -1,0 +1,101 @@
+//! Whether a build is already there, by content and not by date.
+
+use std::fmt::Write;
+use std::path::Path;
+
+use sha2::{Digest, Sha256};
+
+use super::plan::Request;
+use crate::error::{Error, Result};
+use crate::fold::Options;
+use crate::material::{Earlier, Inputs, RoughnessInput};
+use crate::ndf::Form;
+
+/// A number for all that decides on the files of a build: version, options, inputs as given and their content. `digest` is
+/// that of a file.
+///
+/// # Errors
+/// Those of `digest`.
+pub fn key(
+    inputs: &Inputs,
+    options: &Options,
+    form: Option<Form>,
+    request: &Request,
+    digest: impl Fn(&Path) -> Result<String>,
+) -> Result<String> {
+    let Options {
+        fold,
+        form: _,
+        lobes,
+        shared_normal,
+        strength,
+        at_least_average,
+        min_alpha,
+        max_alpha,
+        slope_moments,
+        mean_length,
+    } = options;
+    let Request {
+        folder: _,
+        formats,
+        depth,
+        resize,
+        compress,
+        effort,
+        preset,
+        moments,
+        extras,
+        pictures,
+        force: _,
+        key: _,
+    } = request;
+    let mut text = format!("{} {:?}", env!("CARGO_PKG_VERSION"), inputs);
+    write!(
+        text,
+        "\n{} {form:?} {lobes} {shared_normal} {strength} {at_least_average} {min_alpha:?} {max_alpha:?} {slope_moments} \
+         {mean_length}\n{formats:?} {depth:?} {resize:?} {compress:?} {effort:?} {:?} {moments} {extras:?} {pictures:?}",
+        fold.name,
+        preset.map(|preset| preset.name)
+    )
+    .expect("text grows");
+    let width = match &inputs.roughness {
+        RoughnessInput::Roughness(channel) | RoughnessInput::Smoothness(channel) => Some(&channel.path),
+        RoughnessInput::Missing | RoughnessInput::Constant(_) => None,
+    };
+    let plain = [&inputs.occlusion, &inputs.metal].into_iter().flatten().map(|channel| &channel.path);
+    let maps = [&inputs.normal, &inputs.anisotropy, &inputs.height].into_iter().flatten();
+    for path in maps.chain(width).chain(plain) {
+        write!(text, "\n{}", digest(path)?).expect("text grows");
+    }
+    Ok(sha256(text.as_bytes()))
+}
+
+/// Whether the folder holds all files of the build of this key, byte for byte.
+pub fn is_fresh(folder: &Path, key: &str) -> bool {
+    Earlier::read(folder).is_some_and(|earlier| {
+        let is_there = |(name, digest): (&String, &String)| {
+            std::fs::File::open(folder.join(name)).is_ok_and(|file| sha256_of(file).is_ok_and(|found| found == *digest))
+        };
+        earlier.key.as_deref() == Some(key) && !earlier.digests.is_empty() && earlier.digests.iter().all(is_there)
+    })
+}
+
+/// SHA-256, hexadecimal.
+fn sha256(bytes: &[u8]) -> String {
+    format!("{:x}", Sha256::digest(bytes))
+}
+
+/// The same of a file.
+///
+/// # Errors
+/// [`Error::Io`] if it cannot be read.
+pub fn file_digest(path: &Path) -> Result<String> {
+    std::fs::File::open(path).and_then(sha256_of).map_err(|error| Error::io(path, error))
+}
+
+/// The same of what a reader gives.
+pub fn sha256_of(mut reader: impl std::io::Read) -> std::io::Result<String> {
+    let mut hasher = Sha256::new();
+    std::io::copy(&mut reader, &mut hasher)?;
+    Ok(format!("{:x}", hasher.finalize()))
+}
