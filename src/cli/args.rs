@@ -73,6 +73,8 @@ pub enum Command {
     Glint(GlintArgs),
     /// Print shader helpers to include: what reads the maps, filters geometry and shades
     Kernels(KernelsArgs),
+    /// List what engines want, and tell why and how to load it
+    Presets(PresetsArgs),
 }
 
 #[derive(Args)]
@@ -120,6 +122,13 @@ pub struct KernelsArgs {
     /// Print the files that these need too, before them
     #[arg(long)]
     pub bundle: bool,
+}
+
+#[derive(Args)]
+pub struct PresetsArgs {
+    /// Preset to tell all about [default: their list]
+    #[arg(value_name = "NAME")]
+    pub name: Option<String>,
 }
 
 /// A name and what is said of it, in lines that fit a terminal of 80 columns, so that nothing else breaks them.

@@ -18,6 +18,7 @@ mod job;
 mod judging;
 mod kernels;
 mod lobes_arg;
+mod presets;
 mod report;
 mod table;
 mod vocabulary;
@@ -49,6 +50,7 @@ pub fn run() -> ExitCode {
         Command::BakeCurvature(args) => bake::run(args, &cli.global, &mut report),
         Command::Glint(args) => glint::run(args, &cli.global, &mut report),
         Command::Kernels(args) => kernels::run(args, &mut report),
+        Command::Presets(args) => presets::run(args, &mut report),
     };
     if let Err(error) = result {
         report.error(&error);
