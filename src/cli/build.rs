@@ -1,10 +1,11 @@
 //! `mipfold build`.
 
+use std::panic::resume_unwind;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use clap::ArgMatches;
 use indicatif::ProgressBar;
-use rayon::prelude::*;
 
 use super::args::{BuildArgs, Global};
 use super::config::{self, Config, Settings};
@@ -74,11 +75,13 @@ pub fn run(args: &BuildArgs, said: &ArgMatches, global: &Global, report: &mut Re
         apart(&args.output, materials.iter().map(Material::place).collect())
     };
     let jobs: Vec<_> = materials.iter().zip(folders).collect();
-    let results: Vec<_> = jobs
-        .par_iter()
-        .with_max_len(1)
-        .map(|(material, folder)| material.build(folder, global, &report.progress))
-        .collect();
+    // All of the bar is there from the start, so that it can tell how long the rest will take.
+    report.progress.inc_length(jobs.len() as u64 * Job::STEPS);
+    let results = side_by_side(&jobs, |(material, folder)| {
+        let bar = &report.progress;
+        bar.dec_length(Job::STEPS);
+        material.build(folder, global, bar)
+    });
     for result in results {
         match result {
             Ok(Outcome::Built(built)) => report.built(built),
@@ -90,6 +93,25 @@ pub fn run(args: &BuildArgs, said: &ArgMatches, global: &Global, report: &mut Re
         report.passed_over(Passed { path: path.display().to_string(), why });
     }
     Ok(())
+}
+
+/// Works on the jobs in as many threads as there are, each on one at a time. These are not the pool's: a thread of the pool
+/// that waits for parts of one material would begin another, and memory would be that of many.
+fn side_by_side<T: Sync, R: Send>(jobs: &[T], work: impl Fn(&T) -> R + Sync) -> Vec<R> {
+    let next = AtomicUsize::new(0);
+    let mut done: Vec<(usize, R)> = std::thread::scope(|scope| {
+        let worker = || {
+            let jobs = std::iter::from_fn(|| {
+                let i = next.fetch_add(1, Ordering::Relaxed);
+                jobs.get(i).map(|job| (i, work(job)))
+            });
+            jobs.collect::<Vec<_>>()
+        };
+        let workers: Vec<_> = (0..rayon::current_num_threads().min(jobs.len())).map(|_| scope.spawn(worker)).collect();
+        workers.into_iter().flat_map(|worker| worker.join().unwrap_or_else(|panic| resume_unwind(panic))).collect()
+    });
+    done.sort_by_key(|(i, _)| *i);
+    done.into_iter().map(|(_, result)| result).collect()
 }
 
 impl Material {

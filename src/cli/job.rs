@@ -61,6 +61,9 @@ pub struct Done {
 }
 
 impl Job<'_> {
+    /// Of the bar, for folding and writing.
+    pub const STEPS: u64 = 2 * Portion::STEPS;
+
     /// Reads, folds and writes the material; a dry run stops before folding.
     pub fn run(&self, dry_run: bool, bar: &ProgressBar) -> Result<Done> {
         let (name, request) = (&self.inputs.name, self.request);

@@ -134,7 +134,8 @@ impl Report {
         let shown = !global.json && !global.quiet && std::io::stderr().is_terminal();
         let target = if shown { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };
         let progress = ProgressBar::with_draw_target(Some(0), target);
-        let style = ProgressStyle::with_template("{bar:30} {pos}/{len} {msg} {elapsed}").expect("a fixed template");
+        let style = ProgressStyle::with_template("{bar:30} {percent:>3}% {msg} {elapsed}, {eta} left")
+            .expect("a fixed template");
         progress.set_style(style);
         Self {
             json: global.json,
@@ -282,7 +283,7 @@ pub struct Portion {
 
 impl Portion {
     /// As fine as a bar of 30 characters can show.
-    const STEPS: u64 = 100;
+    pub const STEPS: u64 = 100;
 
     /// Room on a bar.
     pub fn on(bar: &ProgressBar) -> Self {
