@@ -7,6 +7,7 @@ use rayon::prelude::*;
 use super::args::{BuildArgs, Global};
 use super::inputs::{folder, read_as, single};
 use super::job::Job;
+use super::model;
 use super::report::{Built, Report, Unchanged};
 use crate::codec;
 use crate::error::{Error, Result};
@@ -20,6 +21,9 @@ enum Outcome {
 }
 
 pub fn run(args: &BuildArgs, global: &Global, report: &mut Report) -> Result<()> {
+    if args.inputs.iter().any(|input| model::is_model(input)) {
+        return model::run(args, global, report);
+    }
     let options = args.folding.options(args.moments)?;
     let (maps, reading) = (&args.maps, &args.reading);
     let found: Vec<Result<Inputs>> = if args.inputs.is_empty() {

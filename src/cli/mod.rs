@@ -16,6 +16,7 @@ mod job;
 mod judging;
 mod kernels;
 mod lobes_arg;
+mod model;
 mod report;
 mod table;
 
