@@ -9,6 +9,7 @@ use super::audit::AuditArgs;
 use super::compare_args::CompareArgs;
 use super::glint_args::GlintArgs;
 use super::lobes_arg::LobesArg;
+use super::model::ModelArgs;
 use crate::codec::Depth;
 use crate::codec::texture::Effort;
 use crate::curvature::LONGEST_SIDE;
@@ -162,11 +163,11 @@ pub fn fold_list() -> String {
 #[command(after_help = fold_list())]
 pub struct BuildArgs {
     /// Folders of texture sets, found by file name (NAME_normal.png, NAME_roughness.png, NAME_orm.png, ...), with all
-    /// folders below
-    #[arg(value_name = "FOLDER", conflicts_with_all = ["normal", "orm", "height", "anisotropy"])]
+    /// folders below; or one model, .glb or .gltf
+    #[arg(value_name = "FOLDER|MODEL", conflicts_with_all = ["normal", "orm", "height", "anisotropy"])]
     pub inputs: Vec<PathBuf>,
-    /// Folder for the outputs; several materials get a folder each below it
-    #[arg(long, short, value_name = "DIR")]
+    /// Folder for the outputs; several materials get a folder each below it. Of a model: the new one, .glb or .gltf
+    #[arg(long, short, value_name = "DIR|MODEL")]
     pub output: PathBuf,
     /// Options for all materials or for some of them, in place of the files mipfold.toml of the folders
     #[arg(long, value_name = "FILE")]
@@ -179,6 +180,8 @@ pub struct BuildArgs {
     pub folding: FoldArgs,
     #[command(flatten)]
     pub containers: ContainerArgs,
+    #[command(flatten)]
+    pub model: ModelArgs,
     /// Also write the raw LEAN slope moments as mip-mapped EXR (OpenImageIO's bumpslopes channels)
     #[arg(long)]
     pub moments: bool,

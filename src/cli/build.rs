@@ -11,6 +11,7 @@ use super::args::{BuildArgs, Global};
 use super::config::{self, Config, Settings};
 use super::inputs::{given, look, read_as, single};
 use super::job::Job;
+use super::model;
 use super::report::{Built, MapSaid, Passed, Report, Tiles, Unchanged};
 use super::vocabulary::Vocabulary;
 use crate::codec;
@@ -35,6 +36,9 @@ struct Material {
 }
 
 pub fn run(args: &BuildArgs, said: &ArgMatches, global: &Global, report: &mut Report) -> Result<()> {
+    if args.inputs.iter().any(|input| model::is_model(input)) {
+        return model::run(args, global, report);
+    }
     // What is wrong by itself is said once, before anything is looked at.
     args.folding.options(args.moments)?;
     let vocabulary = Vocabulary::new(said);

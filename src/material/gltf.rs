@@ -11,6 +11,9 @@ use crate::gltf::{Buffers, Image, Material, Reader, Sampler, TextureInfo, beside
 use crate::image::Wrap;
 use crate::roughness::PerceptualRoughness;
 
+pub(crate) use folds::turn;
+pub use folds::{AnisotropyUse, Fate, Foldable, TextureUse};
+
 /// glTF's channel of the roughness.
 const GREEN: usize = 1;
 
@@ -19,8 +22,8 @@ const LONGEST_NAME: usize = 80;
 
 /// The materials of a glTF file.
 pub struct Model {
-    path: PathBuf,
-    bytes: Vec<u8>,
+    pub(crate) path: PathBuf,
+    pub(crate) bytes: Vec<u8>,
 }
 
 /// Materials of a file that use the same maps in the same way; most often one.
@@ -187,7 +190,7 @@ fn wrap(reader: &Reader, texture: &TextureInfo, warnings: &mut Vec<String>) -> R
     let Some(sampler) = item(reader.path, &document.textures, texture.index, "texture")?.sampler else {
         return Ok(Wrap::Repeat);
     };
-    let Sampler { wrap_s, wrap_t } = item(reader.path, &document.samplers, sampler, "sampler")?;
+    let Sampler { wrap_s, wrap_t, .. } = item(reader.path, &document.samplers, sampler, "sampler")?;
     if wrap_s != wrap_t {
         warnings.push(format!("sampler {sampler} wraps u and v differently; both are taken as u"));
     }
@@ -255,6 +258,8 @@ fn ending(bytes: &[u8]) -> &'static str {
         _ => "picture",
     }
 }
+
+mod folds;
 
 #[cfg(test)]
 mod tests;

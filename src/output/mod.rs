@@ -7,6 +7,7 @@ mod fresh;
 mod gain;
 mod layer;
 mod manifest;
+pub mod model;
 mod plan;
 pub mod preset;
 mod sheet;
