@@ -242,6 +242,12 @@ pub struct MapArgs {
     /// Packed occlusion, roughness, metal; the same as --roughness FILE:g
     #[arg(long, value_name = "FILE", conflicts_with_all = ["roughness", "gloss"])]
     pub orm: Option<PathBuf>,
+    /// Ambient occlusion, for a --preset that packs it: a map or a channel of one
+    #[arg(long, value_name = "FILE[:r|g|b|a]")]
+    pub occlusion: Option<String>,
+    /// Metalness, likewise
+    #[arg(long, value_name = "FILE[:r|g|b|a]")]
+    pub metal: Option<String>,
     /// Anisotropy map in glTF's form: direction in red and green, strength in blue
     #[arg(long, value_name = "FILE")]
     pub anisotropy: Option<PathBuf>,

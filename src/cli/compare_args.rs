@@ -22,7 +22,7 @@ const PER_SIDE: usize = 4;
 fn after_help() -> String {
     let metrics: Vec<String> = Metric::ALL.iter().map(|metric| entry(metric.name, metric.about)).collect();
     let chains = [
-        ("FOLDER", "that `mipfold build` wrote; FOLDER,container=png|exr|lobes chooses among what is there"),
+        ("FOLDER", "that `mipfold build` wrote; FOLDER,container=png|ktx2|dds|exr|lobes chooses among what is there"),
         ("NAME_lobes.exr", "that `mipfold build --format exr` wrote"),
         (
             "KEY=VALUE,...",

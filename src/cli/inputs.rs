@@ -20,6 +20,8 @@ pub fn read_as(mut set: Inputs, maps: &MapArgs, reading: &ReadingArgs) -> Result
         normal: maps.normal.clone().or(set.normal),
         anisotropy: maps.anisotropy.clone().or(set.anisotropy),
         height: maps.height.clone().or(set.height),
+        occlusion: beside(maps, &maps.occlusion, 0).or(set.occlusion),
+        metal: beside(maps, &maps.metal, 2).or(set.metal),
         roughness: if given == RoughnessInput::Missing { set.roughness } else { given },
         normal_z: reading.normal_z,
         normal_range: reading.normal_range,
@@ -28,6 +30,12 @@ pub fn read_as(mut set: Inputs, maps: &MapArgs, reading: &ReadingArgs) -> Result
         wrap: reading.wrap.map_or(set.wrap, Into::into),
         ..set
     })
+}
+
+/// The channel that an option names, or that it has in `--orm`.
+fn beside(maps: &MapArgs, option: &Option<String>, of_orm: usize) -> Option<ChannelRef> {
+    let orm = || maps.orm.as_ref().map(|path| ChannelRef { path: path.clone(), channel: Some(of_orm) });
+    option.as_deref().map(ChannelRef::parse).or_else(orm)
 }
 
 /// The roughness that flags give.

@@ -36,6 +36,9 @@ pub use apng::write_apng;
 pub use exr::{Channel, Depth, read_exr_levels, write_exr, write_exr_covering};
 pub use png::write_png;
 
+/// How the note ends that a file's claims about colour were not obeyed.
+pub(crate) const COLOUR_IGNORED: &str = ": ignored, data is taken as linear";
+
 /// The most texels that a picture may have: 32768 x 32768.
 pub const MAX_TEXELS: u64 = 1 << 30;
 

@@ -24,7 +24,7 @@ fn is_aside(name: &str) -> bool {
 }
 
 /// Names of texts that may lie beside a chain.
-pub const ASIDES: [&str; 2] = ["README.txt", "MipfoldMips.cs"];
+pub const ASIDES: [&str; 2] = ["README.txt", "MipfoldMips.cs.txt"];
 
 /// An earlier build, by its manifest.
 #[derive(Debug, Default)]

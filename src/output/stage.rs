@@ -23,6 +23,20 @@ pub struct Stage {
     digests: Mutex<BTreeMap<String, String>>,
 }
 
+/// While it lives no other build renames files in the folder. Only where the system lets folders be locked; elsewhere the
+/// last build's names win, one by one.
+pub struct FolderLock {
+    _folder: fs::File,
+}
+
+impl FolderLock {
+    fn new(folder: &Path) -> Option<Self> {
+        let folder = fs::File::open(folder).ok()?;
+        folder.lock().ok()?;
+        Some(Self { _folder: folder })
+    }
+}
+
 impl Stage {
     /// A stage in `folder`, which is made if it is missing.
     ///
@@ -67,12 +81,9 @@ impl Stage {
         self.digests.lock().expect("no writer panics").clone()
     }
 
-    /// Keeps other builds from renaming files in this folder at the same time, until it is dropped. Only where the system
-    /// lets folders be locked; elsewhere the last build's names win, one by one.
-    pub fn lock(&self) -> Option<fs::File> {
-        let folder = fs::File::open(&self.folder).ok()?;
-        folder.lock().ok()?;
-        Some(folder)
+    /// Keeps other builds from renaming files in this folder at the same time.
+    pub fn lock(&self) -> Option<FolderLock> {
+        FolderLock::new(&self.folder)
     }
 
     /// Gives all files their names; the one called `last` comes last, so that it speaks for finished files only. Then
@@ -140,6 +151,8 @@ pub fn may_build<'a>(
     names: impl IntoIterator<Item = &'a str>,
     force: bool,
 ) -> Result<()> {
+    // Another build may be between its first file and its manifest.
+    let _alone = FolderLock::new(folder);
     if let Some(earlier) = Earlier::read(folder)
         && earlier.material != material
         && !force

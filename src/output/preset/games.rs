@@ -102,11 +102,7 @@ pub const UNREAL: Preset = Preset {
             source: "Unreal Engine forum, How to import custom mip maps? (336593)",
             checked: true,
         },
-        Fact {
-            text: "Mips and streaming want sides that are powers of two.",
-            source: "common advice",
-            checked: false,
-        },
+        Fact { text: "Mips and streaming want sides that are powers of two.", source: "common advice", checked: false },
         Fact {
             text: "Normal maps have their green down.",
             source: "common knowledge; the importer has Flip Normal Map Green Channel for others",
