@@ -112,7 +112,8 @@ fn preset(preset: &Preset) -> Vec<String> {
     let green = if preset.normal_y == NormalY::OpenGl { "green up" } else { "green down" };
     let normals = if preset.normal_z { format!("xyz, {green}") } else { format!("xy, {green}") };
     let letters = preset.letters();
-    let packed = if letters.is_empty() { "as it came".into() } else { format!("{letters}, `{}`", preset.packed_suffix) };
+    let packed =
+        if letters.is_empty() { "as it came".into() } else { format!("{letters}, `{}`", preset.packed_suffix) };
     vec![format!("`{}`", preset.name), preset.engine.into(), container, normals, packed]
 }
 
