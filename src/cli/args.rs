@@ -393,8 +393,14 @@ impl ContainerArgs {
     pub fn request(&self, folder: &Path, force: bool) -> Request {
         let plain = Request::new(folder);
         let wanted = self.preset.map_or_else(|| plain.formats.clone(), |preset| vec![preset.format]);
+        let mut formats: Vec<Format> = Vec::new();
+        for format in if self.format.is_empty() { &wanted } else { &self.format } {
+            if !formats.contains(format) {
+                formats.push(*format);
+            }
+        }
         Request {
-            formats: if self.format.is_empty() { wanted } else { self.format.clone() },
+            formats,
             depth: if self.float { Depth::Float } else { Depth::Half },
             resize: self.resize,
             compress: self.compress.or(self.preset.map(|preset| preset.compress)).unwrap_or_default(),

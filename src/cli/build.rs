@@ -17,8 +17,8 @@ use super::vocabulary::Vocabulary;
 use crate::codec;
 use crate::error::{Error, Result};
 use crate::material::detect::{self, NamedMap, PassedOver, TextureSet, named_maps};
-use crate::material::{Inputs, colour};
-use crate::output::{Request, file_digest, is_fresh, key, safe_name};
+use crate::material::{Earlier, Inputs, colour};
+use crate::output::{Request, file_digest, fresh, key, safe_name};
 
 /// What became of a material.
 enum Outcome {
@@ -143,11 +143,11 @@ impl Material {
         let digests = key(&request.inputs(inputs), &options, form, &request, file_digest);
         // Files that cannot be read are told of when they are.
         request.key = digests.ok();
-        if let Some(key) = request.key.as_ref().filter(|_| !global.force && !global.dry_run)
-            && is_fresh(folder, key)
+        if let Some(key) = request.key.as_ref().filter(|_| !global.force)
+            && let Some(Earlier { warnings, .. }) = fresh(folder, key)
         {
             let folder = folder.to_string_lossy().into_owned();
-            return Ok(Outcome::Unchanged(Unchanged { name: inputs.name.clone(), folder }));
+            return Ok(Outcome::Unchanged(Unchanged { name: inputs.name.clone(), folder, warnings }));
         }
         let job = Job {
             inputs,

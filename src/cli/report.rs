@@ -37,6 +37,8 @@ pub struct Built {
 pub struct Unchanged {
     pub name: String,
     pub folder: String,
+    /// Of the build.
+    pub warnings: Vec<String>,
 }
 
 /// A map of a material, and why it is one.
@@ -193,15 +195,20 @@ impl Report {
         if self.dry_run {
             built.files.iter().for_each(|file| self.say(&format!("  {file}")));
         }
-        for warning in &built.warnings {
-            let name = if warning.starts_with(&built.name) { String::new() } else { format!("{}: ", built.name) };
+        self.warnings_of(&built.name, &built.warnings);
+        self.built.push(built);
+    }
+
+    fn warnings_of(&self, name: &str, warnings: &[String]) {
+        for warning in warnings {
+            let name = if warning.starts_with(name) { String::new() } else { format!("{name}: ") };
             self.warning(&format!("{name}{warning}"));
         }
-        self.built.push(built);
     }
 
     pub fn unchanged(&mut self, unchanged: Unchanged) {
         self.say(&format!("{}: unchanged in {}; --force builds it again", unchanged.name, unchanged.folder));
+        self.warnings_of(&unchanged.name, &unchanged.warnings);
         self.unchanged.push(unchanged);
     }
 

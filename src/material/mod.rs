@@ -24,7 +24,7 @@ mod source;
 mod texels;
 
 pub use beside::{height_beside, named_normal_y, named_smooth};
-pub use built::{Earlier, GENERATOR, MANIFEST, PICTURES, SCHEMA};
+pub use built::{Earlier, GENERATOR, JOURNAL, MANIFEST, PICTURES, SCHEMA};
 pub use extra::{Extra, LARGEST_ENERGY};
 pub use flakes::{FlakePlaces, FlakesAbout, FlakesFile, MaterialFlakes};
 pub use further::{FurtherMap, FurtherView};
