@@ -84,6 +84,19 @@ fn unity_gets_smoothness_in_alpha() {
     assert!(readme.contains("Mask Map") && names(&out).contains(&"MipfoldMips.cs.txt".into()), "{readme}");
 }
 
+/// What the web loads: UASTC, which has no number of Vulkan's, and its model (166) in the descriptor.
+#[test]
+fn the_web_gets_uastc() {
+    let desk = Desk::empty();
+    set(&desk, 32);
+    let out = desk.build("out", &format!("{SET} --preset three"));
+    assert_eq!(map(&manifest(&out), "normal")["encoding"], "uastc");
+    let bytes = fs::read(out.join("n.ktx2")).unwrap();
+    let word = |at: usize| u32::from_le_bytes(bytes[at..at + 4].try_into().unwrap());
+    let descriptor = word(48) as usize;
+    assert_eq!((word(12), bytes[descriptor + 12], levels_of(&out.join("n.ktx2")).len()), (0, 166, 6));
+}
+
 /// A packed map that is packed as the engine wants it already stays the file that it was.
 #[test]
 fn what_fits_already_stays() {

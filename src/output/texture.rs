@@ -20,7 +20,7 @@ pub fn texel_format(rows: &Rows, compress: Compress, two_channel_normals: bool) 
     let compress = if plain { Compress::None } else { compress };
     let channels = stored_channels(rows, compress, two_channel_normals);
     match (compress, channels, rows.bits()) {
-        (Compress::Uastc, ..) => TexelFormat::Bc7, // UASTC-TODO
+        (Compress::Uastc, ..) => TexelFormat::Uastc,
         (Compress::Bc, 1, _) => TexelFormat::Bc4,
         (Compress::Bc, 2, _) => TexelFormat::Bc5,
         (Compress::Bc, ..) => TexelFormat::Bc7,
