@@ -95,7 +95,7 @@ impl Earlier {
         let mut digests = manifest.sha256;
         digests.retain(|name, _| files.contains(name));
         let (material, key, warnings) = (manifest.material, manifest.key, manifest.warnings);
-        (manifest.generator == GENERATOR).then(|| Self { material, files, key, digests, warnings })
+        (manifest.generator == GENERATOR).then_some(Self { material, files, key, digests, warnings })
     }
 
     /// Whether it wrote a file of this name; file systems that ignore case exist.

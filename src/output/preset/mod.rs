@@ -148,7 +148,7 @@ impl Preset {
     /// The preset of a name.
     ///
     /// # Errors
-    /// [`Error::InvalidOption`] that lists the names.
+    /// [`Error::Invalid`] that lists the names.
     pub fn by_name(name: &str) -> Result<&'static Preset> {
         PRESETS.iter().find(|preset| preset.name == name).ok_or_else(|| {
             let names: Vec<_> = PRESETS.iter().map(|preset| preset.name).collect();

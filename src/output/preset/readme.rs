@@ -125,7 +125,7 @@ fn packing(slots: &[Slot], without_metal: f32) -> String {
     words.join(", ")
 }
 
-/// Lines of up to [`COLUMNS`]; a longer word has one of its own.
+/// Lines of up to 80 columns; a longer word has one of its own.
 pub fn fill(text: &str, first: &str, rest: &str) -> Vec<String> {
     let mut lines = vec![first.to_owned()];
     let mut empty = true;
