@@ -9,6 +9,7 @@ use super::audit::AuditArgs;
 use super::compare_args::CompareArgs;
 use super::glint_args::GlintArgs;
 use super::lobes_arg::LobesArg;
+use super::model::ModelArgs;
 use crate::codec::Depth;
 use crate::codec::texture::Effort;
 use crate::curvature::LONGEST_SIDE;
@@ -162,11 +163,11 @@ pub fn fold_list() -> String {
 #[command(after_help = fold_list())]
 pub struct BuildArgs {
     /// Folders of texture sets, found by file name (NAME_normal.png, NAME_roughness.png, NAME_orm.png, ...), with all
-    /// folders below
-    #[arg(value_name = "FOLDER", conflicts_with_all = ["normal", "orm", "height", "anisotropy"])]
+    /// folders below; or one model, .glb or .gltf
+    #[arg(value_name = "FOLDER|MODEL", conflicts_with_all = ["normal", "orm", "height", "anisotropy"])]
     pub inputs: Vec<PathBuf>,
-    /// Folder for the outputs; several materials get a folder each below it
-    #[arg(long, short, value_name = "DIR")]
+    /// Folder for the outputs; several materials get a folder each below it. Of a model: the new one, .glb or .gltf
+    #[arg(long, short, value_name = "DIR|MODEL")]
     pub output: PathBuf,
     /// Options for all materials or for some of them, in place of the files mipfold.toml of the folders
     #[arg(long, value_name = "FILE")]
@@ -179,6 +180,8 @@ pub struct BuildArgs {
     pub folding: FoldArgs,
     #[command(flatten)]
     pub containers: ContainerArgs,
+    #[command(flatten)]
+    pub model: ModelArgs,
     /// Also write the raw LEAN slope moments as mip-mapped EXR (OpenImageIO's bumpslopes channels)
     #[arg(long)]
     pub moments: bool,
@@ -210,6 +213,10 @@ pub struct ContainerArgs {
     /// Time that compression may take: slow is for what ships
     #[arg(long, value_enum, default_value = "fast")]
     pub effort: EffortArg,
+    /// Write DDS with the header of DirectX 9, uncompressed and in 8 bit, which older readers want (three.js' DDSLoader,
+    /// Unreal before its new importer)
+    #[arg(long)]
+    pub dds9: bool,
     /// Enlarge all maps until their sides are multiples of 4, or powers of two (pot), as engines and compression want them
     #[arg(long, value_enum, default_value = "keep", hide_possible_values = true, value_name = "4|pot")]
     pub resize: Sides,
@@ -390,8 +397,14 @@ impl ContainerArgs {
     pub fn request(&self, folder: &Path, force: bool) -> Request {
         let plain = Request::new(folder);
         let wanted = self.preset.map_or_else(|| plain.formats.clone(), |preset| vec![preset.format]);
+        let mut formats: Vec<Format> = Vec::new();
+        for format in if self.format.is_empty() { &wanted } else { &self.format } {
+            if !formats.contains(format) {
+                formats.push(*format);
+            }
+        }
         Request {
-            formats: if self.format.is_empty() { wanted } else { self.format.clone() },
+            formats,
             depth: if self.float { Depth::Float } else { Depth::Half },
             resize: self.resize,
             compress: self.compress.or(self.preset.map(|preset| preset.compress)).unwrap_or_default(),
@@ -400,6 +413,7 @@ impl ContainerArgs {
                 EffortArg::Fast => Effort::Fast,
                 EffortArg::Slow => Effort::Slow,
             },
+            dds9: self.dds9,
             force,
             ..plain
         }

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use super::args::{BakeArgs, Global};
 use super::build::output_folders;
-use super::inputs::{given_width, read_as, single};
+use super::inputs::{beside_width, given_width, read_as, single};
 use super::job::{Job, NORMALS_COMPUTED, Under};
 use super::report::{Built, Extent, Report};
 use crate::codec;
@@ -192,6 +192,7 @@ fn into_texture(
     if width != RoughnessInput::Missing {
         inputs.roughness = width;
     }
+    beside_width(&mut inputs, &args.maps);
     let inputs = Inputs { name: bake.name.clone(), flat: Some(args.size), ..inputs };
     let read = |path: &Path| surface.map_or_else(|| codec::read(path), |surface| surface.read(path));
     let baking = BakeOptions { padding: usize::from(args.padding) };

@@ -1,22 +1,24 @@
 //! `mipfold build`.
 
+use std::panic::resume_unwind;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use clap::ArgMatches;
 use indicatif::ProgressBar;
-use rayon::prelude::*;
 
 use super::args::{BuildArgs, Global};
 use super::config::{self, Config, Settings};
 use super::inputs::{given, look, read_as, single};
 use super::job::Job;
+use super::model;
 use super::report::{Built, MapSaid, Passed, Report, Tiles, Unchanged};
 use super::vocabulary::Vocabulary;
 use crate::codec;
 use crate::error::{Error, Result};
 use crate::material::detect::{self, NamedMap, PassedOver, TextureSet, named_maps};
-use crate::material::{Inputs, colour};
-use crate::output::{Request, file_digest, is_fresh, key, safe_name};
+use crate::material::{Earlier, Inputs, colour};
+use crate::output::{Request, file_digest, fresh, key, safe_name};
 
 /// What became of a material.
 enum Outcome {
@@ -34,6 +36,9 @@ struct Material {
 }
 
 pub fn run(args: &BuildArgs, said: &ArgMatches, global: &Global, report: &mut Report) -> Result<()> {
+    if args.inputs.iter().any(|input| model::is_model(input)) {
+        return model::run(args, global, report);
+    }
     // What is wrong by itself is said once, before anything is looked at.
     args.folding.options(args.moments)?;
     let vocabulary = Vocabulary::new(said);
@@ -74,11 +79,13 @@ pub fn run(args: &BuildArgs, said: &ArgMatches, global: &Global, report: &mut Re
         apart(&args.output, materials.iter().map(Material::place).collect())
     };
     let jobs: Vec<_> = materials.iter().zip(folders).collect();
-    let results: Vec<_> = jobs
-        .par_iter()
-        .with_max_len(1)
-        .map(|(material, folder)| material.build(folder, global, &report.progress))
-        .collect();
+    // All of the bar is there from the start, so that it can tell how long the rest will take.
+    report.progress.inc_length(jobs.len() as u64 * Job::STEPS);
+    let results = side_by_side(&jobs, |(material, folder)| {
+        let bar = &report.progress;
+        bar.dec_length(Job::STEPS);
+        material.build(folder, global, bar)
+    });
     for result in results {
         match result {
             Ok(Outcome::Built(built)) => report.built(built),
@@ -90,6 +97,25 @@ pub fn run(args: &BuildArgs, said: &ArgMatches, global: &Global, report: &mut Re
         report.passed_over(Passed { path: path.display().to_string(), why });
     }
     Ok(())
+}
+
+/// Works on the jobs in as many threads as there are, each on one at a time. These are not the pool's: a thread of the pool
+/// that waits for parts of one material would begin another, and memory would be that of many.
+fn side_by_side<T: Sync, R: Send>(jobs: &[T], work: impl Fn(&T) -> R + Sync) -> Vec<R> {
+    let next = AtomicUsize::new(0);
+    let mut done: Vec<(usize, R)> = std::thread::scope(|scope| {
+        let worker = || {
+            let jobs = std::iter::from_fn(|| {
+                let i = next.fetch_add(1, Ordering::Relaxed);
+                jobs.get(i).map(|job| (i, work(job)))
+            });
+            jobs.collect::<Vec<_>>()
+        };
+        let workers: Vec<_> = (0..rayon::current_num_threads().min(jobs.len())).map(|_| scope.spawn(worker)).collect();
+        workers.into_iter().flat_map(|worker| worker.join().unwrap_or_else(|panic| resume_unwind(panic))).collect()
+    });
+    done.sort_by_key(|(i, _)| *i);
+    done.into_iter().map(|(_, result)| result).collect()
 }
 
 impl Material {
@@ -117,11 +143,11 @@ impl Material {
         let digests = key(&request.inputs(inputs), &options, form, &request, file_digest);
         // Files that cannot be read are told of when they are.
         request.key = digests.ok();
-        if let Some(key) = request.key.as_ref().filter(|_| !global.force && !global.dry_run)
-            && is_fresh(folder, key)
+        if let Some(key) = request.key.as_ref().filter(|_| !global.force)
+            && let Some(Earlier { warnings, .. }) = fresh(folder, key)
         {
             let folder = folder.to_string_lossy().into_owned();
-            return Ok(Outcome::Unchanged(Unchanged { name: inputs.name.clone(), folder }));
+            return Ok(Outcome::Unchanged(Unchanged { name: inputs.name.clone(), folder, warnings }));
         }
         let job = Job {
             inputs,

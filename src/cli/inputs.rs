@@ -12,6 +12,7 @@ use crate::roughness::PerceptualRoughness;
 /// A material as the options want it: the maps that they name go before those that were found.
 pub fn read_as(mut set: Inputs, maps: &MapArgs, reading: &ReadingArgs) -> Result<Inputs> {
     let given = given_width(maps)?;
+    beside_width(&mut set, maps);
     if set.wrap == Wrap::Clamp && reading.wrap.is_none() {
         set.notes.push("beyond the border lies another tile, so it is clamped; --wrap changes it".into());
     }
@@ -20,8 +21,6 @@ pub fn read_as(mut set: Inputs, maps: &MapArgs, reading: &ReadingArgs) -> Result
         normal: maps.normal.clone().or(set.normal),
         anisotropy: maps.anisotropy.clone().or(set.anisotropy),
         height: maps.height.clone().or(set.height),
-        occlusion: beside(maps, &maps.occlusion, 0).or(set.occlusion),
-        metal: beside(maps, &maps.metal, 2).or(set.metal),
         roughness: if given == RoughnessInput::Missing { set.roughness } else { given },
         normal_z: reading.normal_z,
         normal_range: reading.normal_range,
@@ -32,10 +31,12 @@ pub fn read_as(mut set: Inputs, maps: &MapArgs, reading: &ReadingArgs) -> Result
     })
 }
 
-/// The channel that an option names, or that it has in `--orm`.
-fn beside(maps: &MapArgs, option: &Option<String>, of_orm: usize) -> Option<ChannelRef> {
-    let orm = || maps.orm.as_ref().map(|path| ChannelRef { path: path.clone(), channel: Some(of_orm) });
-    option.as_deref().map(ChannelRef::parse).or_else(orm)
+/// Occlusion and metal that options name, or that are in `--orm`.
+pub fn beside_width(inputs: &mut Inputs, maps: &MapArgs) {
+    let orm = |channel| maps.orm.as_ref().map(|path| ChannelRef { path: path.clone(), channel: Some(channel) });
+    let named = |option: &Option<String>, channel| option.as_deref().map(ChannelRef::parse).or_else(|| orm(channel));
+    inputs.occlusion = named(&maps.occlusion, 0).or(inputs.occlusion.take());
+    inputs.metal = named(&maps.metal, 2).or(inputs.metal.take());
 }
 
 /// The roughness that flags give.

@@ -18,6 +18,7 @@ mod job;
 mod judging;
 mod kernels;
 mod lobes_arg;
+mod model;
 mod presets;
 mod report;
 mod table;

@@ -37,6 +37,8 @@ pub struct Built {
 pub struct Unchanged {
     pub name: String,
     pub folder: String,
+    /// Of the build.
+    pub warnings: Vec<String>,
 }
 
 /// A map of a material, and why it is one.
@@ -134,7 +136,8 @@ impl Report {
         let shown = !global.json && !global.quiet && std::io::stderr().is_terminal();
         let target = if shown { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };
         let progress = ProgressBar::with_draw_target(Some(0), target);
-        let style = ProgressStyle::with_template("{bar:30} {pos}/{len} {msg} {elapsed}").expect("a fixed template");
+        let style = ProgressStyle::with_template("{bar:30} {percent:>3}% {msg} {elapsed}, {eta} left")
+            .expect("a fixed template");
         progress.set_style(style);
         Self {
             json: global.json,
@@ -192,15 +195,20 @@ impl Report {
         if self.dry_run {
             built.files.iter().for_each(|file| self.say(&format!("  {file}")));
         }
-        for warning in &built.warnings {
-            let name = if warning.starts_with(&built.name) { String::new() } else { format!("{}: ", built.name) };
+        self.warnings_of(&built.name, &built.warnings);
+        self.built.push(built);
+    }
+
+    fn warnings_of(&self, name: &str, warnings: &[String]) {
+        for warning in warnings {
+            let name = if warning.starts_with(name) { String::new() } else { format!("{name}: ") };
             self.warning(&format!("{name}{warning}"));
         }
-        self.built.push(built);
     }
 
     pub fn unchanged(&mut self, unchanged: Unchanged) {
         self.say(&format!("{}: unchanged in {}; --force builds it again", unchanged.name, unchanged.folder));
+        self.warnings_of(&unchanged.name, &unchanged.warnings);
         self.unchanged.push(unchanged);
     }
 
@@ -282,7 +290,7 @@ pub struct Portion {
 
 impl Portion {
     /// As fine as a bar of 30 characters can show.
-    const STEPS: u64 = 100;
+    pub const STEPS: u64 = 100;
 
     /// Room on a bar.
     pub fn on(bar: &ProgressBar) -> Self {

@@ -33,6 +33,54 @@ pub(crate) fn open<'a>(path: &Path, bytes: &'a [u8]) -> Result<(Document, Option
     Ok((document, binary))
 }
 
+/// What a file is made of.
+pub(crate) struct Parts<'a> {
+    /// The JSON as it is written.
+    pub text: &'a str,
+    /// Whether it is a .glb.
+    pub binary: bool,
+    /// Further chunks of a .glb, by their kind.
+    pub others: Vec<(u32, &'a [u8])>,
+}
+
+/// The parts of a file that [`open`] takes.
+pub(crate) fn parts<'a>(path: &Path, bytes: &'a [u8]) -> Result<Parts<'a>> {
+    let binary = bytes.starts_with(b"glTF");
+    let (json, _) = if binary { chunks(path, bytes)? } else { (bytes, None) };
+    let json = json.strip_prefix(b"\xef\xbb\xbf").unwrap_or(json);
+    let text = std::str::from_utf8(json).map_err(|error| Error::invalid(path, format!("JSON: {error}"), "UTF-8"))?;
+    let (mut others, mut at, mut known) = (Vec::new(), 12, [false; 2]);
+    while binary && at < bytes.len() {
+        let (length, kind, chunk) = chunk(path, bytes, at)?;
+        match [JSON, BIN].iter().position(|known| *known == kind) {
+            Some(which) if !known[which] => known[which] = true,
+            _ => others.push((kind, chunk)),
+        }
+        at += 8 + length;
+    }
+    Ok(Parts { text, binary, others })
+}
+
+/// A .glb of a text, a binary chunk, and further ones.
+///
+/// # Errors
+/// More than the format's 4 GiB.
+pub(crate) fn binary(path: &Path, text: &str, binary: Option<&[u8]>, others: &[(u32, &[u8])]) -> Result<Vec<u8>> {
+    let mut out = b"glTF\x02\0\0\0\0\0\0\0".to_vec();
+    let chunks = [(JSON, text.as_bytes())].into_iter().chain(binary.map(|binary| (BIN, binary)));
+    for (kind, chunk) in chunks.chain(others.iter().copied()) {
+        let padded = chunk.len().next_multiple_of(4);
+        out.extend((padded as u32).to_le_bytes());
+        out.extend(kind.to_le_bytes());
+        out.extend(chunk);
+        out.resize(out.len() + padded - chunk.len(), if kind == JSON { b' ' } else { 0 });
+    }
+    let length = u32::try_from(out.len())
+        .map_err(|_| Error::unsupported(path, format!("a .glb of {} bytes", out.len()), "4 GiB; or a .gltf"))?;
+    out[8..12].copy_from_slice(&length.to_le_bytes());
+    Ok(out)
+}
+
 /// The buffers of a document, each loaded when it is first asked for: many files hold buffers that no triangle needs.
 pub(crate) struct Buffers<'a> {
     path: &'a Path,
@@ -119,37 +167,42 @@ pub(crate) fn beside(path: &Path, uri: &str, what: &str) -> Result<PathBuf> {
 
 /// The JSON chunk and the binary chunk, if there is one (glTF 2.0, 4.4).
 fn chunks<'a>(path: &Path, bytes: &'a [u8]) -> Result<(&'a [u8], Option<&'a [u8]>)> {
-    let word = |at: usize| bytes.get(at..at + 4)?.try_into().ok().map(u32::from_le_bytes);
-    let cut = |at: usize| {
-        Error::invalid(
-            path,
-            format!("the end of the file at byte {}", bytes.len()),
-            match at {
-                0 => "a GLB header of 12 bytes".to_owned(),
-                at => format!("a chunk at byte {at}"),
-            },
-        )
-    };
-    let (version, _) = word(4).zip(word(8)).ok_or_else(|| cut(0))?;
+    let (version, _) = word(bytes, 4).zip(word(bytes, 8)).ok_or_else(|| cut(path, bytes, 0))?;
     if version != 2 {
         return Err(Error::unsupported(path, format!("GLB version {version}"), "version 2"));
     }
     let (mut json, mut binary, mut at) = (None, None, 12);
     while at < bytes.len() && (json.is_none() || binary.is_none()) {
-        let (length, kind) = word(at).zip(word(at + 4)).ok_or_else(|| cut(at))?;
-        let chunk = bytes.get(at + 8..).and_then(|rest| rest.get(..length as usize)).ok_or_else(|| {
-            let found = format!("a chunk of {length} bytes at byte {at} of {}", bytes.len());
-            Error::invalid(path, found, "chunks inside the file")
-        })?;
+        let (length, kind, chunk) = chunk(path, bytes, at)?;
         match kind {
             JSON => json = json.or(Some(chunk)),
             BIN => binary = binary.or(Some(chunk)),
             _ => {}
         }
-        at += 8 + length as usize;
+        at += 8 + length;
     }
     let json = json.ok_or_else(|| Error::invalid(path, "no JSON chunk", "a GLB file with one"))?;
     Ok((json, binary))
+}
+
+fn word(bytes: &[u8], at: usize) -> Option<u32> {
+    bytes.get(at..at + 4)?.try_into().ok().map(u32::from_le_bytes)
+}
+
+fn cut(path: &Path, bytes: &[u8], at: usize) -> Error {
+    let found = format!("the end of the file at byte {}", bytes.len());
+    let expected = if at == 0 { "a GLB header of 12 bytes".to_owned() } else { format!("a chunk at byte {at}") };
+    Error::invalid(path, found, expected)
+}
+
+/// Length, kind and content of the chunk at a byte.
+fn chunk<'a>(path: &Path, bytes: &'a [u8], at: usize) -> Result<(usize, u32, &'a [u8])> {
+    let (length, kind) = word(bytes, at).zip(word(bytes, at + 4)).ok_or_else(|| cut(path, bytes, at))?;
+    let chunk = bytes.get(at + 8..).and_then(|rest| rest.get(..length as usize)).ok_or_else(|| {
+        let found = format!("a chunk of {length} bytes at byte {at} of {}", bytes.len());
+        Error::invalid(path, found, "chunks inside the file")
+    })?;
+    Ok((length as usize, kind, chunk))
 }
 
 /// A uri with its `%20`s as characters (RFC 3986, 2.1); nothing if that is no text.

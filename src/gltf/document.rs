@@ -78,6 +78,7 @@ pub(crate) struct Material {
     pub name: Option<String>,
     pub pbr_metallic_roughness: MetallicRoughness,
     pub normal_texture: Option<TextureInfo>,
+    pub occlusion_texture: Option<TextureInfo>,
     pub extensions: BTreeMap<String, serde::de::IgnoredAny>,
 }
 
@@ -140,6 +141,7 @@ pub(crate) struct Image {
     pub uri: Option<String>,
     pub buffer_view: Option<usize>,
     pub name: Option<String>,
+    pub mime_type: Option<String>,
 }
 
 /// How a texture continues beyond its border; 10497 repeats, 33648 mirrors, 33071 clamps.
@@ -150,6 +152,8 @@ pub(crate) struct Sampler {
     pub wrap_s: u32,
     #[serde(default = "repeat")]
     pub wrap_t: u32,
+    /// How it is minified; 9728 and 9729 use no mips.
+    pub min_filter: Option<u32>,
 }
 
 fn repeat() -> u32 {

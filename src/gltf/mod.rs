@@ -4,11 +4,12 @@
 mod accessor;
 mod container;
 mod document;
+pub(crate) mod text;
 
 use std::path::Path;
 
 pub(crate) use accessor::Reader;
-pub(crate) use container::{Buffers, beside, inline, open};
+pub(crate) use container::{Buffers, beside, binary, inline, open, parts};
 pub(crate) use document::{Document, Image, Material, Node, Primitive, Sampler, TextureInfo};
 
 use crate::error::{Error, Result};

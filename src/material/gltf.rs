@@ -11,16 +11,21 @@ use crate::gltf::{Buffers, Image, Material, Reader, Sampler, TextureInfo, beside
 use crate::image::Wrap;
 use crate::roughness::PerceptualRoughness;
 
-/// glTF's channel of the roughness.
+pub(crate) use folds::turn;
+pub use folds::{AnisotropyUse, Fate, Foldable, TextureUse};
+
+/// glTF's channels of occlusion, roughness and metal.
+const RED: usize = 0;
 const GREEN: usize = 1;
+const BLUE: usize = 2;
 
 /// Letters of a material's name that are shown and used for files.
 const LONGEST_NAME: usize = 80;
 
 /// The materials of a glTF file.
 pub struct Model {
-    path: PathBuf,
-    bytes: Vec<u8>,
+    pub(crate) path: PathBuf,
+    pub(crate) bytes: Vec<u8>,
 }
 
 /// Materials of a file that use the same maps in the same way; most often one.
@@ -109,7 +114,8 @@ impl Surface {
     fn shares_maps_with(&self, other: &Surface) -> bool {
         let of = |surface: &Surface| {
             let inputs = surface.inputs.clone();
-            (inputs.normal, inputs.roughness, inputs.normal_scale, inputs.roughness_factor, inputs.wrap, surface.uv_set)
+            let (read, packed) = ((inputs.normal_scale, inputs.roughness_factor, inputs.wrap), inputs.occlusion);
+            (inputs.normal, inputs.roughness, read, packed, surface.uv_set)
         };
         self.uv_set.is_some() && of(self) == of(other)
     }
@@ -168,9 +174,18 @@ fn surface(pictures: &mut Pictures, index: usize) -> Result<Surface> {
         Some(texture) => {
             inputs.roughness_factor = Some(factor);
             let path = picture(texture, "metallic_roughness")?;
+            inputs.metal = Some(ChannelRef { path: path.clone(), channel: Some(BLUE) });
             RoughnessInput::Roughness(ChannelRef { path, channel: Some(GREEN) })
         }
     };
+    // It is packed where its layout is that of the other maps.
+    let uv_set = normal.or(width).map(|texture| texture.tex_coord);
+    let moved = |texture: &TextureInfo| texture.extensions.contains_key("KHR_texture_transform");
+    let occlusion = material.occlusion_texture.as_ref();
+    if let Some(texture) = occlusion.filter(|texture| uv_set == Some(texture.tex_coord) && !moved(texture)) {
+        let path = picture(texture, "occlusion")?;
+        inputs.occlusion = Some(ChannelRef { path, channel: Some(RED) });
+    }
     if let Some(texture) = normal.or(width) {
         inputs.wrap = wrap(pictures.reader, texture, &mut inputs.warnings)?;
     }
@@ -178,7 +193,7 @@ fn surface(pictures: &mut Pictures, index: usize) -> Result<Surface> {
         let warning = "KHR_materials_anisotropy is not read from glTF: the lobes are taken as round (--anisotropy)";
         inputs.warnings.push(warning.into());
     }
-    Ok(Surface { inputs, materials: vec![index], uv_set: normal.or(width).map(|t| t.tex_coord), embedded })
+    Ok(Surface { inputs, materials: vec![index], uv_set, embedded })
 }
 
 /// How the sampler of a texture continues it; warns where its two sides differ.
@@ -187,7 +202,7 @@ fn wrap(reader: &Reader, texture: &TextureInfo, warnings: &mut Vec<String>) -> R
     let Some(sampler) = item(reader.path, &document.textures, texture.index, "texture")?.sampler else {
         return Ok(Wrap::Repeat);
     };
-    let Sampler { wrap_s, wrap_t } = item(reader.path, &document.samplers, sampler, "sampler")?;
+    let Sampler { wrap_s, wrap_t, .. } = item(reader.path, &document.samplers, sampler, "sampler")?;
     if wrap_s != wrap_t {
         warnings.push(format!("sampler {sampler} wraps u and v differently; both are taken as u"));
     }
@@ -255,6 +270,8 @@ fn ending(bytes: &[u8]) -> &'static str {
         _ => "picture",
     }
 }
+
+mod folds;
 
 #[cfg(test)]
 mod tests;

@@ -24,11 +24,12 @@ mod source;
 mod texels;
 
 pub use beside::{height_beside, named_normal_y, named_smooth};
-pub use built::{Earlier, GENERATOR, MANIFEST, PICTURES, SCHEMA};
+pub use built::{Earlier, GENERATOR, JOURNAL, MANIFEST, PICTURES, SCHEMA};
 pub use extra::{Extra, LARGEST_ENERGY};
 pub use flakes::{FlakePlaces, FlakesAbout, FlakesFile, MaterialFlakes};
 pub use further::{FurtherMap, FurtherView};
-pub use gltf::{Model, Surface};
+pub(crate) use gltf::turn;
+pub use gltf::{AnisotropyUse, Fate, Foldable, Model, Surface, TextureUse};
 pub(crate) use inputs::colour;
 pub use inputs::{ChannelRef, DEFAULT_HEIGHT_SCALE, DEFAULT_ROUGHNESS, Inputs, RoughnessInput};
 pub use inspect::Findings;

@@ -148,7 +148,8 @@ impl TextureSet {
     /// A roughness map before a packed one, a packed one before smoothness, and, of a surface with bumps, that before what
     /// may be a mask map.
     fn roughness(&self, bumpy: bool, notes: &mut Vec<String>) -> Result<RoughnessInput> {
-        let kinds: [(&str, fn(Kind) -> bool); 5] = [
+        type Wanted = fn(Kind) -> bool;
+        let kinds: [(&str, Wanted); 5] = [
             ("roughness", |k| k == Roughness),
             ("roughness", |k| k == NormalRoughness),
             ("packed", |k| matches!(k, Packed(Layout { smooth: false, .. }))),

@@ -9,8 +9,9 @@ use super::manifest::layer_role;
 use super::may_build;
 use super::preset::{Aside, Compress, Preset, Written, WrittenMap};
 use super::sheet::Sheet;
+use super::texture::texel_format;
 use crate::codec::Depth;
-use crate::codec::texture::Effort;
+use crate::codec::texture::{Effort, TexelFormat};
 use crate::error::{Error, Result};
 use crate::fold::{Chain, Options};
 use crate::image::{Sides, Size};
@@ -64,6 +65,8 @@ pub struct Request {
     pub compress: Compress,
     /// How much time that may take.
     pub effort: Effort,
+    /// Whether DDS has the header of DirectX 9, and 8 bit RGBA under it.
+    pub dds9: bool,
     /// The engine that reads the files, if one was named: it decides on packing and on the green of normals.
     pub preset: Option<&'static Preset>,
     /// Whether to write the raw slope moments.
@@ -89,6 +92,7 @@ impl Request {
             resize: Sides::Any,
             compress: Compress::default(),
             effort: Effort::default(),
+            dds9: false,
             preset: None,
             moments: false,
             extras: Vec::new(),
@@ -113,6 +117,14 @@ impl Request {
     /// Which way green points in the normal maps that are written.
     pub fn normal_y(&self, material: &Material) -> NormalY {
         self.preset.map_or(material.normal_y, |preset| preset.normal_y)
+    }
+
+    /// The texel format of a map in a container for GPUs.
+    pub fn texels(&self, rows: &Rows, format: Format) -> TexelFormat {
+        if self.dds9 && format == Format::Dds {
+            return TexelFormat::Rgba8;
+        }
+        texel_format(rows, self.compress, self.two_channel_normals())
     }
 
     /// Whether normals lose their z to block compression that has two channels.
@@ -172,6 +184,8 @@ pub struct Plan {
     pub outputs: Vec<Output>,
     /// Texts that the preset wants beside them.
     pub asides: Vec<Aside>,
+    /// What of the material is not in them.
+    pub warnings: Vec<String>,
 }
 
 impl Plan {
@@ -224,7 +238,11 @@ impl Plan {
         for (index, aside) in asides.iter().enumerate() {
             outputs.push(Output { name: aside.name.clone(), content: Content::Aside { index } });
         }
-        Self { sheets, outputs, asides }
+        let warnings = match request.preset {
+            Some(_) => super::sheet::left_out(material, &sheets),
+            None => Vec::new(),
+        };
+        Self { sheets, outputs, asides, warnings }
     }
 
     /// The rows of one of its maps.
@@ -258,7 +276,7 @@ impl Plan {
             if let Some((found, expected)) = wrong_sides(material.size, format, request) {
                 return Err(Error::unsupported(&path, found, expected));
             }
-            if format == Format::Dds && request.compress == Compress::Uastc {
+            if format == Format::Dds && request.compress == Compress::Uastc && !request.dds9 {
                 return Err(Error::unsupported(&path, "UASTC in a DDS", "--compress bc or none, or --format ktx2"));
             }
         }
@@ -269,9 +287,10 @@ impl Plan {
 
 /// What the sides of level 0 are and what the container and the engine want, where that is not the same.
 fn wrong_sides(size: Size, format: Format, request: &Request) -> Option<(String, String)> {
-    let blocks = format.is_texture() && request.compress != Compress::None;
+    let plain = request.compress == Compress::None || (request.dds9 && format == Format::Dds);
+    let blocks = format.is_texture() && !plain;
     let engine = request.preset.map_or(Sides::Any, |preset| preset.sides);
-    let sides = if blocks && engine == Sides::Any { Sides::MultipleOf4 } else { engine };
+    let sides = if engine.holds(size) && blocks { Sides::MultipleOf4 } else { engine };
     if sides.holds(size) {
         return None;
     }
@@ -292,11 +311,15 @@ fn sheets(material: &Material, request: &Request) -> Vec<Sheet> {
 
 /// What the preset says beside the maps.
 fn asides(material: &Material, sheets: &[Sheet], outputs: &[Output], request: &Request, preset: &Preset) -> Vec<Aside> {
+    // They tell how to load files of the preset's own container.
+    if !request.formats.contains(&preset.format) {
+        return Vec::new();
+    }
     let mut maps: Vec<(Layer, Vec<String>)> = Vec::new();
     for output in outputs {
         let layer = match output.content {
-            Content::Level { layer, .. } if request.formats[0] == Format::Png => layer,
-            Content::Levels { layer, format } if request.formats[0] == format => layer,
+            Content::Level { layer, .. } if preset.format == Format::Png => layer,
+            Content::Levels { layer, format } if preset.format == format => layer,
             _ => continue,
         };
         match maps.iter_mut().find(|(known, _)| *known == layer) {
@@ -326,7 +349,8 @@ pub fn png_name(stem: &str, level: usize) -> String {
 pub fn safe_name(name: &str) -> String {
     let safe: String = name.chars().map(|c| if c.is_alphanumeric() || "-_.".contains(c) { c } else { '_' }).collect();
     // Suffixes and endings come after it, and file systems end at 255 bytes.
-    let safe: String = safe.chars().take(120).collect();
+    let end = safe.char_indices().map(|(i, c)| i + c.len_utf8()).take_while(|end| *end <= 120).last().unwrap_or(0);
+    let safe = safe[..end].to_owned();
     if safe.trim_matches('.').is_empty() { "material".into() } else { safe }
 }
 

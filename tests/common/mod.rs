@@ -7,11 +7,13 @@
 //! | `MIPFOLD_PYTHON` | a Python that imports OpenImageIO, numpy and flip_evaluator; default `python3` |
 //! | `MIPFOLD_CHROMIUM` | a Chromium or Chrome; default `chromium` |
 //! | `MIPFOLD_THREE` | the folder of the npm package three, which `node` runs; no default |
+//! | `MIPFOLD_VALIDATOR` | the folder of the npm package gltf-validator; default beside three |
 //! | `MIPFOLD_NO_SKIP` | if set, a test fails where it lacks one of these, and is not skipped |
 #![allow(dead_code, clippy::print_stderr)]
 
 pub mod desk;
 pub mod mesh;
+pub mod model;
 
 use std::path::{Path, PathBuf};
 use std::process::Output;

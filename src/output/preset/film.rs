@@ -59,7 +59,7 @@ pub const OIIO: Preset = Preset {
 See their levels.
  oiiotool --info -v {normal}
 Or make .tx files of levels that were written as PNG:
- maketx --wrap periodic LEVEL0 --mipimage LEVEL1 --mipimage LEVEL2 -o OUT",
+ maketx --wrap {wrap} LEVEL0 --mipimage LEVEL1 --mipimage LEVEL2 -o OUT",
     aside: nothing,
 };
 
@@ -109,10 +109,10 @@ pub const RENDERMAN: Preset = Preset {
         },
     ],
     load: "Make a texture of the levels, for each map.
- maketx --prman --wrap periodic {normal} \\
+ maketx --prman --wrap {wrap} {normal} \\
    $(printf -- '--mipimage {normal.level} ' $(seq 1 {normal.last})) \\
    -o normal.tex
- maketx --prman --wrap periodic {packed} \\
+ maketx --prman --wrap {wrap} {packed} \\
    $(printf -- '--mipimage {packed.level} ' $(seq 1 {packed.last})) \\
    -o roughness.tex
 Or with RenderMan's own tool, all levels in order, the largest first:

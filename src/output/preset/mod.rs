@@ -148,7 +148,7 @@ impl Preset {
     /// The preset of a name.
     ///
     /// # Errors
-    /// [`Error::InvalidOption`] that lists the names.
+    /// [`Error::Invalid`] that lists the names.
     pub fn by_name(name: &str) -> Result<&'static Preset> {
         PRESETS.iter().find(|preset| preset.name == name).ok_or_else(|| {
             let names: Vec<_> = PRESETS.iter().map(|preset| preset.name).collect();
@@ -170,7 +170,7 @@ impl Preset {
             readme::Files { first: name("0"), level: name("%d"), last: "LAST".into() }
         };
         let packed = if self.packed.is_some() { self.packed_suffix } else { "roughness" };
-        readme::steps(self.load, Some(&files("normal")), Some(&files(packed)))
+        readme::steps(self.load, Some(&files("normal")), Some(&files(packed)), Wrap::Repeat)
     }
 
     /// The channels of the packed map, in a letter each: occlusion, roughness, smoothness, metal, 0, 1; none for the

@@ -1,6 +1,7 @@
 //! The text beside the maps.
 
 use super::{Fact, Preset, Slot, Written, WrittenMap};
+use crate::image::Wrap;
 use crate::material::NormalY;
 use crate::output::Format;
 
@@ -22,7 +23,7 @@ pub fn readme(preset: &Preset, written: &Written) -> String {
     }
     lines.extend(["".into(), "Load them".into()]);
     let files = |of: &dyn Fn(&WrittenMap) -> bool| written.maps.iter().find(|map| of(map)).and_then(Files::of);
-    let steps = steps(preset.load, files(&is_normal).as_ref(), files(&is_packed).as_ref());
+    let steps = steps(preset.load, files(&is_normal).as_ref(), files(&is_packed).as_ref(), written.wrap);
     lines.extend(steps.lines().map(String::from));
     lines.extend(["".into(), format!("Mind (`mipfold presets {}` tells the sources)", preset.name)]);
     lines.extend(preset.facts.iter().flat_map(|fact| fill(&said(fact), "  - ", "    ")));
@@ -52,11 +53,17 @@ impl Files {
 }
 
 /// Numbered steps, code below them; without the lines that name a file that is not there.
-pub fn steps(load: &str, normal: Option<&Files>, packed: Option<&Files>) -> String {
+pub fn steps(load: &str, normal: Option<&Files>, packed: Option<&Files>, wrap: Wrap) -> String {
+    // As maketx calls it.
+    let wrap = match wrap {
+        Wrap::Repeat => "periodic",
+        Wrap::Mirror => "mirror",
+        Wrap::Clamp => "clamp",
+    };
     let mut lines = Vec::new();
     let mut number = 0;
     'lines: for line in load.lines() {
-        let mut line = line.to_owned();
+        let mut line = line.replace("{wrap}", wrap);
         for (word, files) in [("normal", normal), ("packed", packed)] {
             if !line.contains(&format!("{{{word}")) {
                 continue;
@@ -118,7 +125,7 @@ fn packing(slots: &[Slot], without_metal: f32) -> String {
     words.join(", ")
 }
 
-/// Lines of up to [`COLUMNS`]; a longer word has one of its own.
+/// Lines of up to 80 columns; a longer word has one of its own.
 pub fn fill(text: &str, first: &str, rest: &str) -> Vec<String> {
     let mut lines = vec![first.to_owned()];
     let mut empty = true;

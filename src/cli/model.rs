@@ -1,0 +1,292 @@
+//! `mipfold build` of a model.
+
+use std::path::Path;
+
+use clap::Args;
+use rayon::prelude::*;
+use serde::Serialize;
+
+use super::args::{BuildArgs, Global};
+use super::report::{Portion, Report};
+use crate::error::{Error, Result};
+use crate::material::{Fate, Foldable, Model, NormalRange, NormalY, NormalZ};
+use crate::output::model::{
+    FoldedMaterial, Group, ImageAbout, ImageDigest, ModelOptions, Proof, Slot, digests, fold_material, rewrite,
+};
+use crate::output::preset::Compress;
+use crate::output::{Gain, SCHEMA};
+
+#[derive(Args)]
+#[command(next_help_heading = "Models")]
+pub struct ModelArgs {
+    /// Keep a model's old images beside the new textures, for viewers that read no KTX 2
+    #[arg(long)]
+    pub fallback: bool,
+}
+
+/// What became of one material, or of several that use the same textures in the same way.
+#[derive(Serialize)]
+struct About<'a> {
+    name: &'a str,
+    /// Numbers in the file.
+    materials: Vec<usize>,
+    folded: bool,
+    /// Why not.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    reason: Option<&'a str>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    width: Option<usize>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    height: Option<usize>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    gain: Option<Gain>,
+    textures: Vec<TextureAbout<'a>>,
+    notes: &'a [String],
+    warnings: &'a [String],
+}
+
+#[derive(Serialize)]
+struct TextureAbout<'a> {
+    slot: Slot,
+    /// Of the image in the file that was read.
+    from: usize,
+    /// In the file that was written.
+    image: usize,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    format: Option<&'static str>,
+    /// Level 0 before and after, before it is compressed.
+    level_0: &'a [Proof],
+}
+
+/// What was done: beside the model, and for `--json`.
+#[derive(Serialize)]
+struct Document<'a> {
+    schema: u32,
+    generator: &'static str,
+    version: &'static str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    dry_run: Option<bool>,
+    input: String,
+    output: String,
+    fold: &'static str,
+    compress: Compress,
+    files: &'a [String],
+    materials: &'a [About<'a>],
+    images: &'a [ImageDigest],
+    #[serde(skip_serializing_if = "Option::is_none")]
+    errors: Option<[(); 0]>,
+}
+
+/// Whether a path is that of a model.
+pub fn is_model(path: &Path) -> bool {
+    let ending = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+    ["glb", "gltf"].contains(&ending.as_str()) && !path.is_dir()
+}
+
+/// A group and what was folded of it, or why it stays.
+struct Done<'a> {
+    foldable: &'a Foldable,
+    result: std::result::Result<FoldedMaterial, String>,
+}
+
+pub fn run(args: &BuildArgs, global: &Global, report: &mut Report) -> Result<()> {
+    let options = options(args)?;
+    let (input, output) = (&args.inputs[0], &args.output);
+    report.progress.set_message(format!("reading {}", input.display()));
+    let Some(model) = Model::read(input)? else {
+        return Err(Error::invalid(input, "a file that is no glTF", "a .glb or .gltf of glTF 2.0"));
+    };
+    let fates = model.fates()?;
+    let foldables: Vec<&Foldable> =
+        fates.iter().filter_map(|fate| if let Fate::Fold(f) = fate { Some(&**f) } else { None }).collect();
+    // A place that is taken is told before anything is folded.
+    let (stem, to_binary) = (stem(output), ending(output) == "glb");
+    rewrite(&model, &[], &options, to_binary, &stem)?.0.check(input, output, global.force)?;
+    let done: Vec<Done> = foldables
+        .into_par_iter()
+        .with_max_len(1)
+        .map(|foldable| {
+            let portion = Portion::on(&report.progress);
+            let result = fold_material(foldable, &options, global.dry_run, &|share| portion.show(share))?;
+            portion.show(1.0);
+            Ok(Done { foldable, result })
+        })
+        .collect::<Result<_>>()?;
+    let groups: Vec<Group> = done
+        .iter()
+        .filter_map(|done| Some(Group { foldable: done.foldable, folded: done.result.as_ref().ok()? }))
+        .collect();
+    report.progress.set_message(format!("writing {}", output.display()));
+    let (files, images) = rewrite(&model, &groups, &options, to_binary, &stem)?;
+    files.check(input, output, global.force)?;
+    let names = files.names(output);
+    let materials = about(&fates, &done, &images);
+    let digests = digests(&model, &images, &groups)?;
+    let document = |dry_run: Option<bool>| Document {
+        schema: SCHEMA,
+        generator: crate::material::GENERATOR,
+        version: env!("CARGO_PKG_VERSION"),
+        dry_run,
+        input: input.to_string_lossy().into_owned(),
+        output: output.to_string_lossy().into_owned(),
+        fold: options.fold.fold.name,
+        compress: options.compress,
+        files: &names,
+        materials: &materials,
+        images: &digests,
+        errors: dry_run.map(|_| []),
+    };
+    let json = |document: &Document| serde_json::to_string_pretty(document).expect("plain data") + "\n";
+    if !global.dry_run {
+        files.write(input, output, &json(&document(None)), global.force)?;
+    }
+    tell(report, global, output, &materials, &names, files.main.len());
+    if options.compress != Compress::Uastc && !groups.is_empty() {
+        report.warning(
+            "textures that are not UASTC are no part of glTF: Bevy and three.js read them, validators complain of image/ktx2",
+        );
+    }
+    report.document(json(&document(Some(global.dry_run))));
+    Ok(())
+}
+
+fn ending(path: &Path) -> String {
+    path.extension().unwrap_or_default().to_string_lossy().to_lowercase()
+}
+
+/// The beginning of the names of files beside the model.
+fn stem(output: &Path) -> String {
+    let stem = output.file_stem().unwrap_or_default().to_string_lossy();
+    stem.chars().map(|c| if c.is_ascii_alphanumeric() || "-_".contains(c) { c } else { '_' }).collect()
+}
+
+/// The options, none of which may be about texture sets.
+fn options(args: &BuildArgs) -> Result<ModelOptions> {
+    let refuse = |option: &str, found: &str, expected: &str| Err(Error::invalid_option(option, found, expected));
+    if args.inputs.len() > 1 {
+        return refuse("build", &format!("{} inputs, models among them", args.inputs.len()), "one model at a time");
+    }
+    if !["glb", "gltf"].contains(&ending(&args.output).as_str()) {
+        let found = args.output.display().to_string();
+        return refuse("-o", &found, "the name of the new model, ending in .glb or .gltf");
+    }
+    let (maps, reading, containers) = (&args.maps, &args.reading, &args.containers);
+    let given = [
+        ("--roughness", maps.roughness.is_some()),
+        ("--gloss", maps.gloss.is_some()),
+        ("--name", maps.name.is_some()),
+        ("--normal-y", reading.normal_y != NormalY::default()),
+        ("--normal-z", reading.normal_z != NormalZ::default()),
+        ("--normal-range", reading.normal_range != NormalRange::default()),
+        ("--normal-scale", reading.normal_scale != 1.0),
+        ("--height-scale", reading.height_scale.is_some()),
+        ("--wrap", reading.wrap.is_some()),
+    ];
+    if let Some((option, _)) = given.into_iter().find(|(_, given)| *given) {
+        return refuse(option, "a model", "no such option: a model says itself how its textures are read");
+    }
+    let given = [
+        ("--format", !containers.format.is_empty()),
+        ("--float", containers.float),
+        ("--preset", containers.preset.is_some()),
+        ("--moments", args.moments),
+        ("--extra", !args.extra.is_empty()),
+    ];
+    if let Some((option, _)) = given.into_iter().find(|(_, given)| *given) {
+        return refuse(option, "a model", "no such option: its textures become KTX 2 (--compress, --effort, --resize)");
+    }
+    let fold = args.folding.options(false)?;
+    if fold.lobes > 1 {
+        return refuse("--lobes", &format!("{} lobes", fold.lobes), "iso or aniso: a glTF material has one lobe");
+    }
+    let request = containers.request(Path::new(""), false);
+    Ok(ModelOptions {
+        fold,
+        form: args.folding.form(),
+        compress: containers.compress.unwrap_or(Compress::Uastc),
+        effort: request.effort,
+        sides: request.resize,
+        skip_if_below: args.skip_if_below,
+        fallback: args.model.fallback,
+    })
+}
+
+fn about<'a>(fates: &'a [Fate], done: &'a [Done], images: &'a [ImageAbout]) -> Vec<About<'a>> {
+    let (mut groups, mut folded) = (0, 0);
+    let of = |fate: &'a Fate| match fate {
+        Fate::Leave { material, name, reason, .. } => About {
+            name,
+            materials: vec![*material],
+            folded: false,
+            reason: Some(reason),
+            width: None,
+            height: None,
+            gain: None,
+            textures: Vec::new(),
+            notes: &[],
+            warnings: &[],
+        },
+        Fate::Fold(foldable) => {
+            let result = &done[groups].result;
+            groups += 1;
+            let mut about = About {
+                name: &foldable.inputs.name,
+                materials: foldable.materials.clone(),
+                folded: result.is_ok(),
+                reason: result.as_ref().err().map(String::as_str),
+                width: None,
+                height: None,
+                gain: None,
+                textures: Vec::new(),
+                notes: &[],
+                warnings: &[],
+            };
+            if let Ok(material) = result {
+                (about.width, about.height) = (Some(material.size.width), Some(material.size.height));
+                (about.gain, about.notes, about.warnings) = (material.gain, &material.notes, &material.warnings);
+                let own = images.iter().filter(|image| image.group == folded);
+                let texture = |image: &'a ImageAbout| {
+                    let texture = material.textures.iter().find(|texture| texture.slot == image.slot);
+                    TextureAbout {
+                        slot: image.slot,
+                        from: image.from,
+                        image: image.image,
+                        format: texture.map(|texture| texture.format.name()),
+                        level_0: texture.map_or(&[], |texture| &texture.level_0),
+                    }
+                };
+                about.textures = own.map(texture).collect();
+                folded += 1;
+            }
+            about
+        }
+    };
+    fates.iter().map(of).collect()
+}
+
+/// For people.
+fn tell(report: &Report, global: &Global, output: &Path, materials: &[About], names: &[String], bytes: usize) {
+    for about in materials {
+        match (about.reason, about.width.zip(about.height)) {
+            (None, Some((width, height))) => {
+                let slots: Vec<_> = about.textures.iter().map(|texture| texture.slot.name()).collect();
+                report.say(&format!("{}: {width}x{height}, folded: {}", about.name, slots.join(", ")));
+                about.gain.iter().for_each(|gain| report.say(&format!("  {}", gain.describe())));
+            }
+            (reason, _) => report.say(&format!("{}: left as it is: {}", about.name, reason.unwrap_or_default())),
+        }
+        about.notes.iter().for_each(|note| report.say(&format!("  {note}")));
+        about.warnings.iter().for_each(|warning| report.warning(&format!("{}: {warning}", about.name)));
+    }
+    if materials.is_empty() {
+        report.say("no materials");
+    }
+    let (verb, size) = match global.dry_run {
+        true => ("would write", String::new()),
+        false => ("wrote", format!(" of {bytes} bytes")),
+    };
+    report.say(&format!("{verb} {}{size}, and {} files beside it", output.display(), names.len() - 1));
+    if global.dry_run {
+        names.iter().for_each(|name| report.say(&format!("  {name}")));
+    }
+}

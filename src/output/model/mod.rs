@@ -1,0 +1,368 @@
+//! Models: glTF in, glTF out, with folded textures in it.
+//!
+//! What is not folded stays as it is written: the JSON is edited as text, buffers keep their bytes. Two things alone are
+//! taken out: images that nothing uses any more, and their bytes, with the offsets of what follows mended. Buffer views,
+//! textures, images and materials keep their numbers, so that what unknown extensions say of them holds; what an unknown
+//! extension may refer to is not taken out.
+
+mod assign;
+mod package;
+mod textures;
+mod write;
+
+use std::collections::BTreeSet;
+
+pub use textures::{Folded, FoldedMaterial, Proof, Slot, fold_material};
+pub use write::{ModelFiles, sidecar_name};
+
+use serde::Serialize;
+use sha2::{Digest, Sha256};
+
+use assign::{Assignment, NewImage, assign, path};
+use package::{Package, Place, data_uri, image_bytes, relative};
+
+use crate::codec::texture::Effort;
+use crate::error::Result;
+use crate::fold::Options;
+use crate::gltf::text::{Edits, at, items, member, members, quoted, with};
+use crate::image::Sides;
+use crate::material::{Foldable, Model};
+use crate::ndf::Form;
+use crate::output::preset::Compress;
+
+const BASISU: &str = "KHR_texture_basisu";
+const ANISOTROPY: &str = "KHR_materials_anisotropy";
+
+/// Other forms of a texture, which would still show the old image.
+const OTHER_FORMS: [&str; 3] = ["EXT_texture_webp", "EXT_texture_avif", "MSFT_texture_dds"];
+
+/// How a model is folded and written.
+#[derive(Clone, Copy)]
+pub struct ModelOptions {
+    /// How footprints are folded; the form is that of `form`.
+    pub fold: Options,
+    /// One width or two; without, two for materials with anisotropy.
+    pub form: Option<Form>,
+    /// UASTC is what glTF allows (`KHR_texture_basisu`); others are read by Bevy and three.js alone.
+    pub compress: Compress,
+    /// How much time that may take.
+    pub effort: Effort,
+    /// What the sides of textures are brought to.
+    pub sides: Sides,
+    /// A material stays as it is where folding changes the roughness by less than this.
+    pub skip_if_below: Option<f32>,
+    /// Whether old images stay, for readers without KTX 2.
+    pub fallback: bool,
+}
+
+/// A group of materials with what was folded of it.
+pub struct Group<'a> {
+    /// The materials.
+    pub foldable: &'a Foldable,
+    /// Their textures.
+    pub folded: &'a FoldedMaterial,
+}
+
+/// What is known of a new image.
+#[derive(Clone, Debug)]
+pub struct ImageAbout {
+    /// Index of the group.
+    pub group: usize,
+    /// What it is for.
+    pub slot: Slot,
+    /// The image that it stems from.
+    pub from: usize,
+    /// Its number in the new file.
+    pub image: usize,
+    /// Whether it took the place of that.
+    pub replaces: bool,
+    /// Where it is a file of its own.
+    pub file: Option<String>,
+}
+
+/// Makes the new file; `stem` is its name without ending, and new files beside it begin with that. In a dry run (folded
+/// materials without textures) contents are missing, and names are right.
+///
+/// # Errors
+/// Files beside the model that cannot be read, buffers that contradict themselves.
+pub fn rewrite(
+    model: &Model,
+    groups: &[Group],
+    options: &ModelOptions,
+    to_binary: bool,
+    stem: &str,
+) -> Result<(ModelFiles, Vec<ImageAbout>)> {
+    let mut package = Package::new(model, to_binary)?;
+    let text = package.text;
+    let given: Vec<(&Foldable, &[Slot])> =
+        groups.iter().map(|group| (group.foldable, &group.folded.slots[..])).collect();
+    let plan = assign(text, &given, options.fallback);
+    let list = |key: &str| member(text, key).map_or_else(Vec::new, items);
+    let (images, textures, materials) = (list("images"), list("textures"), list("materials"));
+    let mut edits = Edits::new(text);
+
+    package.drop_images(&plan.images.iter().filter(|new| new.takes).map(|new| new.from).collect());
+    let mut about: Vec<ImageAbout> = Vec::new();
+    let mut new_images = Vec::new();
+    for new in &plan.images {
+        let group = &groups[new.group];
+        let folded = group.folded.textures.iter().find(|folded| folded.slot == new.slot);
+        let bytes = folded.map_or_else(Vec::new, |folded| folded.bytes.clone());
+        let old = &package.document.images[new.from];
+        let name = image_name(old.name.as_deref(), new, group);
+        let mut file = None;
+        let content = match package.place(new.from) {
+            Place::View(buffer) => {
+                let view = package.document.images[new.from].buffer_view.filter(|_| new.takes);
+                let view = package.add(buffer, bytes, view);
+                [("uri", None), ("bufferView", Some(view.to_string()))]
+            }
+            Place::Inline => [("bufferView", None), ("uri", Some(quoted(&data_uri("image/ktx2", &bytes))))],
+            Place::File => {
+                let name = free_name(&format!("{stem}_{}", plain(&name)), &package);
+                package.files.push((name.clone(), package::Beside::Bytes(bytes)));
+                file = Some(name.clone());
+                [("bufferView", None), ("uri", Some(quoted(&name)))]
+            }
+        };
+        let mime_type = [("mimeType", Some(quoted("image/ktx2")))];
+        let changes: Vec<_> = content.into_iter().chain(mime_type).collect();
+        let image = if new.takes {
+            edits.replace(images[new.from], with(images[new.from], &changes));
+            new.from
+        } else {
+            new_images.push(with(&format!("{{\"name\":{}}}", quoted(&name)), &changes));
+            images.len() + new_images.len() - 1
+        };
+        about.push(ImageAbout { group: new.group, slot: new.slot, from: new.from, image, replaces: new.takes, file });
+    }
+    let taken: BTreeSet<usize> = about.iter().filter(|about| about.replaces).map(|about| about.image).collect();
+    for (i, image) in images.iter().enumerate().filter(|(i, _)| !taken.contains(i)) {
+        let Some(uri) = package.document.images[i].uri.clone() else { continue };
+        if to_binary && !package.from_binary {
+            let bytes = image_bytes(&package, i)?;
+            let mime_type = package.document.images[i].mime_type.clone().or(mime_type(&bytes).map(str::to_owned));
+            let view = package.add(0, bytes, None);
+            let mut changes = vec![("uri", None), ("bufferView", Some(view.to_string()))];
+            changes.extend(mime_type.map(|mime_type| ("mimeType", Some(quoted(&mime_type)))));
+            edits.replace(image, with(image, &changes));
+        } else if !uri.starts_with("data:") {
+            let file = crate::gltf::beside(&model.path, &uri, &format!("image {i}"))?;
+            package.files.push((relative(&model.path, &file), package::Beside::Copy(file)));
+        }
+    }
+
+    let pointed = |texture: &str, image: usize| texture_with(texture, about[image].image, options);
+    for (number, image) in &plan.replaced {
+        edits.replace(textures[*number], pointed(textures[*number], *image));
+    }
+    let added: Vec<String> = plan.added.iter().map(|new| pointed(textures[new.like], new.image)).collect();
+    for (array, new) in [("images", &new_images), ("textures", &added)] {
+        if let Some(array) = member(text, array) {
+            edits.append(array, new);
+        }
+    }
+    for (number, (group, _)) in &plan.materials {
+        let new = material_with(materials[*number], *number, &groups[*group], &plan);
+        edits.replace(materials[*number], new);
+    }
+    extensions(text, &mut edits, &plan, groups, options);
+    let (main, beside) = package.finish(edits, stem)?;
+    Ok((ModelFiles { main, beside }, about))
+}
+
+/// A name for an image.
+fn image_name(old: Option<&str>, new: &NewImage, group: &Group) -> String {
+    match old.filter(|name| !name.is_empty() && new.takes) {
+        Some(name) => name.to_owned(),
+        None => format!("{}_{}", group.foldable.inputs.name, new.slot.name()),
+    }
+}
+
+/// Letters that a URI and every file system take.
+fn plain(name: &str) -> String {
+    let plain = |c: char| if c.is_ascii_alphanumeric() || "-_".contains(c) { c } else { '_' };
+    name.chars().map(plain).take(80).collect()
+}
+
+/// A name that no file of the model has; file systems that ignore case exist.
+fn free_name(base: &str, package: &Package) -> String {
+    let uris = package.document.images.iter().filter_map(|image| image.uri.as_deref());
+    let buffers = package.document.buffers.iter().filter_map(|buffer| buffer.uri.as_deref());
+    let uris: Vec<&str> = uris.chain(buffers).filter(|uri| !uri.starts_with("data:")).collect();
+    let taken = |name: &String| {
+        let files = package.files.iter().map(|(name, _)| name.as_str());
+        files.chain(uris.iter().copied()).any(|other| other.eq_ignore_ascii_case(name))
+    };
+    let mut names = (1..).map(|n| if n == 1 { format!("{base}.ktx2") } else { format!("{base}_{n}.ktx2") });
+    names.find(|name| !taken(name)).expect("some number is free")
+}
+
+fn mime_type(bytes: &[u8]) -> Option<&'static str> {
+    match bytes {
+        [0x89, b'P', b'N', b'G', ..] => Some("image/png"),
+        [0xff, 0xd8, ..] => Some("image/jpeg"),
+        [0xab, b'K', b'T', b'X', ..] => Some("image/ktx2"),
+        [b'R', b'I', b'F', b'F', _, _, _, _, b'W', b'E', b'B', b'P', ..] => Some("image/webp"),
+        _ => None,
+    }
+}
+
+/// A texture that shows a new image.
+fn texture_with(texture: &str, image: usize, options: &ModelOptions) -> String {
+    let old = member(texture, "extensions").unwrap_or("{}");
+    let mut changes: Vec<(&str, Option<String>)> = Vec::new();
+    if !options.fallback {
+        changes.extend(OTHER_FORMS.map(|form| (form, None)));
+        changes.push((BASISU, None));
+    }
+    let basisu = options.compress == Compress::Uastc;
+    if basisu {
+        changes.push((BASISU, Some(format!("{{\"source\":{image}}}"))));
+    }
+    let extensions = with(old, &changes);
+    let extensions = Some(extensions).filter(|text| text != "{}");
+    match (basisu, options.fallback) {
+        (true, true) => with(texture, &[("extensions", extensions)]),
+        (true, false) => with(texture, &[("source", None), ("extensions", extensions)]),
+        (false, _) => with(texture, &[("source", Some(image.to_string())), ("extensions", extensions)]),
+    }
+}
+
+/// A material that uses its new textures.
+fn material_with(material: &str, number: usize, group: &Group, plan: &Assignment) -> String {
+    let (_, uses) = &plan.materials[&number];
+    let index = |texture: usize| [("index", Some(texture.to_string()))];
+    // Laid out as the normals are.
+    let like_normal = |texture: usize| {
+        let info = with(&group.foldable.normal.info, &[("scale", None), ("extras", None)]);
+        with(&info, &index(texture))
+    };
+    let mut changes: Vec<(&str, Option<String>)> = Vec::new();
+    for (slot, texture) in &uses.textures {
+        let old = at(material, path(*slot));
+        let info = old.map_or_else(|| like_normal(*texture), |info| with(info, &index(*texture)));
+        match slot {
+            Slot::Normal => changes.push(("normalTexture", Some(info))),
+            Slot::Roughness => {
+                let metallic = member(material, "pbrMetallicRoughness").unwrap_or("{}");
+                let mut inner = vec![("metallicRoughnessTexture", Some(info))];
+                if !group.folded.keeps_factor && member(metallic, "roughnessFactor").is_some() {
+                    inner.push(("roughnessFactor", Some("1".into())));
+                }
+                changes.push(("pbrMetallicRoughness", Some(with(metallic, &inner))));
+            }
+            Slot::Anisotropy => {
+                let extensions = member(material, "extensions").unwrap_or("{}");
+                let own = member(extensions, ANISOTROPY).unwrap_or("{}");
+                let mut inner = vec![("anisotropyTexture", Some(info))];
+                if !group.folded.keeps_strength {
+                    inner.push(("anisotropyStrength", Some("1".into())));
+                }
+                let new = with(extensions, &[(ANISOTROPY, Some(with(own, &inner)))]);
+                changes.push(("extensions", Some(new)));
+            }
+        }
+    }
+    if let (Some(texture), Some(info)) = (uses.occlusion, member(material, "occlusionTexture")) {
+        changes.push(("occlusionTexture", Some(with(info, &index(texture)))));
+    }
+    with(material, &changes)
+}
+
+/// Names the extensions that are used now.
+fn extensions(text: &str, edits: &mut Edits, plan: &Assignment, groups: &[Group], options: &ModelOptions) {
+    let strings = |key: &str| -> Vec<String> {
+        let items = member(text, key).map_or_else(Vec::new, items);
+        items.into_iter().filter_map(|text| serde_json::from_str(text).ok()).collect()
+    };
+    let (old_used, old_required) = (strings("extensionsUsed"), strings("extensionsRequired"));
+    let (mut used, mut required) = (old_used.clone(), old_required.clone());
+    if !plan.images.is_empty() && !options.fallback {
+        // Textures that still have another form.
+        let textures = member(text, "textures").map_or_else(Vec::new, items);
+        let kept = textures.iter().enumerate().filter(|(i, _)| !plan.replaced.contains_key(i));
+        let forms = kept.flat_map(|(_, text)| member(text, "extensions").map_or_else(Vec::new, members));
+        let forms: BTreeSet<String> = forms.map(|(name, _)| name).collect();
+        let gone = |name: &String| (OTHER_FORMS.contains(&name.as_str()) || name == BASISU) && !forms.contains(name);
+        used.retain(|name| !gone(name));
+        required.retain(|name| !gone(name));
+    }
+    let add = |list: &mut Vec<String>, name: &str| {
+        if !list.iter().any(|other| other == name) {
+            list.push(name.to_owned());
+        }
+    };
+    if !plan.images.is_empty() && options.compress == Compress::Uastc {
+        add(&mut used, BASISU);
+        if !options.fallback {
+            add(&mut required, BASISU);
+        }
+    }
+    if groups.iter().any(|group| group.folded.slots.contains(&Slot::Anisotropy)) {
+        add(&mut used, ANISOTROPY);
+    }
+    let mut at_root = Vec::new();
+    for (key, old, new) in [("extensionsUsed", old_used, used), ("extensionsRequired", old_required, required)] {
+        if old == new {
+            continue;
+        }
+        let array = |new: &[String]| new.iter().map(|name| quoted(name)).collect::<Vec<_>>();
+        match member(text, key) {
+            Some(place) if new.starts_with(&old) => edits.append(place, &array(&new[old.len()..])),
+            Some(place) => edits.replace(place, format!("[{}]", array(&new).join(","))),
+            None => at_root.push((key, format!("[{}]", array(&new).join(",")))),
+        }
+    }
+    edits.add(text, &at_root);
+}
+
+/// An image before and after.
+#[derive(Clone, Debug, Serialize)]
+pub struct ImageDigest {
+    /// Its number.
+    pub image: usize,
+    /// `kept`, `folded` (another content under the same number) or `added`.
+    pub state: &'static str,
+    /// SHA-256 of what the model had.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub before: Option<String>,
+    /// SHA-256 of what it has; unknown in a dry run.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub after: Option<String>,
+}
+
+/// Digests of all images of a model, of which some are new.
+///
+/// # Errors
+/// Images that cannot be read.
+pub fn digests(model: &Model, images: &[ImageAbout], groups: &[Group]) -> Result<Vec<ImageDigest>> {
+    let package = Package::new(model, true)?;
+    let count = package.document.images.len();
+    let new = |i: usize| images.iter().find(|about| about.image == i);
+    let after = |about: &ImageAbout| {
+        let textures = &groups[about.group].folded.textures;
+        let texture = textures.iter().find(|texture| texture.slot == about.slot)?;
+        Some(hexadecimal(&Sha256::digest(&texture.bytes)))
+    };
+    let mut out = Vec::new();
+    for image in 0..count {
+        let before = hexadecimal(&Sha256::digest(image_bytes(&package, image)?));
+        out.push(match new(image) {
+            Some(about) => ImageDigest { image, state: "folded", before: Some(before), after: after(about) },
+            None => ImageDigest { image, state: "kept", after: Some(before.clone()), before: Some(before) },
+        });
+    }
+    let added = images.iter().filter(|about| about.image >= count);
+    out.extend(added.map(|about| ImageDigest {
+        image: about.image,
+        state: "added",
+        before: None,
+        after: after(about),
+    }));
+    Ok(out)
+}
+
+fn hexadecimal(digest: &[u8]) -> String {
+    digest.iter().map(|byte| format!("{byte:02x}")).collect()
+}

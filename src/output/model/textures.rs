@@ -1,0 +1,345 @@
+//! The folded textures of a model's material, as KTX 2.
+
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+
+use ndarray::{Array3, Axis};
+use rayon::prelude::*;
+use serde::Serialize;
+use sha2::{Digest, Sha256};
+
+use super::ModelOptions;
+use crate::codec::texture::{Effort, TexelFormat, Texture, encode, write_ktx2};
+use crate::error::{Error, Result};
+use crate::fold::{Chain, Options};
+use crate::image::{Raster, Samples, Size};
+use crate::material::{Encoding, Foldable, MapFile, Material, Role, load_with, turn};
+use crate::ndf::Form;
+use crate::output::preset::Compress;
+use crate::output::sheet::{Sheet, Source};
+use crate::output::{Gain, Layer, Rows, fold_for, gain, texture_of};
+
+/// Which texture of a material.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Slot {
+    /// `normalTexture`.
+    Normal,
+    /// `metallicRoughnessTexture`, and occlusion in the same image.
+    Roughness,
+    /// `anisotropyTexture`.
+    Anisotropy,
+}
+
+impl Slot {
+    /// In one word.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Normal => "normal",
+            Self::Roughness => "roughness",
+            Self::Anisotropy => "anisotropy",
+        }
+    }
+}
+
+/// A channel of a texture at level 0, before it is compressed, beside the same channel of the image that it stems from.
+#[derive(Clone, Debug, Serialize)]
+pub struct Proof {
+    /// r, g or b.
+    pub channel: char,
+    /// SHA-256 of the samples in the image.
+    pub before: String,
+    /// And in the texture, as many bits each.
+    pub after: String,
+    /// Whether they are the same.
+    pub identical: bool,
+}
+
+/// One folded texture.
+pub struct Folded {
+    /// What it is for.
+    pub slot: Slot,
+    /// A KTX 2 file.
+    pub bytes: Vec<u8>,
+    /// Its texel format.
+    pub format: TexelFormat,
+    /// Of every channel that stems from an image.
+    pub level_0: Vec<Proof>,
+}
+
+/// A material that was folded, or can be.
+pub struct FoldedMaterial {
+    /// Of level 0.
+    pub size: Size,
+    /// Without pictures in a dry run.
+    pub textures: Vec<Folded>,
+    /// Which textures there are, or will be.
+    pub slots: Vec<Slot>,
+    /// How far it is from plain mips; unknown in a dry run.
+    pub gain: Option<Gain>,
+    /// Whether `roughnessFactor` stays; else it is in the texture, and 1 in the file.
+    pub keeps_factor: bool,
+    /// Whether `anisotropyStrength` stays, likewise.
+    pub keeps_strength: bool,
+    /// What was understood, ignored or assumed.
+    pub notes: Vec<String>,
+    /// What is probably wrong with the input.
+    pub warnings: Vec<String>,
+}
+
+/// The channels of a picture as they were read.
+struct Seen {
+    path: PathBuf,
+    size: Size,
+    bits: u8,
+    channels: Vec<String>,
+}
+
+/// Reads and folds a material, or says why it stays as it is: its maps are no material, or folding gains too little. A dry
+/// run reads it only.
+///
+/// # Errors
+/// Pictures that cannot be read; sides that no compressed texture has.
+pub fn fold_material(
+    foldable: &Foldable,
+    options: &ModelOptions,
+    dry_run: bool,
+    done: &(dyn Fn(f64) + Sync),
+) -> Result<std::result::Result<FoldedMaterial, String>> {
+    let seen: Mutex<Vec<Seen>> = Mutex::default();
+    let read = |path: &Path| {
+        let decoded = foldable.read(path)?;
+        if decoded.bytes_len > 0 {
+            let picture = foldable.picture(path)?.raster;
+            let (size, bits) = (picture.size(), picture.bits());
+            let channels = (0..picture.channels.len()).map(|c| digest(size, bits, |y, row| picture.read(c, y, 0, row)));
+            let channels = channels.collect();
+            seen.lock().expect("no reader panics").push(Seen { path: path.to_owned(), size, bits, channels });
+        }
+        Ok(decoded)
+    };
+    let inputs = crate::material::Inputs { sides: options.sides, ..foldable.inputs.clone() };
+    let mut material = match load_with(&inputs, &read) {
+        Ok(material) => material,
+        Err(error @ Error::Io { .. }) => return Err(error),
+        Err(error) => return Ok(Err(error.to_string())),
+    };
+    let seen = seen.into_inner().expect("no reader panics");
+    if material.size.width % 4 != 0 || material.size.height % 4 != 0 {
+        let path = inputs.normal.as_deref().unwrap_or(Path::new(""));
+        let expected =
+            "sides that are multiples of 4, since texels are compressed in blocks of 4x4; --resize 4 enlarges";
+        return Err(Error::unsupported(path, format!("a texture of {} texels", material.size), expected));
+    }
+    let form = form(&mut material, options, &inputs.name);
+    if form == Form::Anisotropic {
+        material.ensure_anisotropy_map();
+    }
+    material.notes.retain(|note| !note.starts_with("even anisotropy"));
+    if foldable.wraps_differ && seen.iter().any(|seen| seen.size != material.size) {
+        material.warnings.push("its sampler wraps u and v differently; maps are enlarged as if both were u".into());
+    }
+    let mut slots = vec![Slot::Normal, Slot::Roughness];
+    slots.extend((form == Form::Anisotropic).then_some(Slot::Anisotropy));
+    let mut folded = FoldedMaterial {
+        size: material.size,
+        textures: Vec::new(),
+        slots,
+        gain: None,
+        keeps_factor: true,
+        keeps_strength: true,
+        notes: Vec::new(),
+        warnings: Vec::new(),
+    };
+    if !dry_run {
+        let options_here = Options { form, ..options.fold };
+        let chain = fold_for(&material, &options_here, &[], &|share| done(0.5 * share));
+        let gain = gain(&chain);
+        if options.skip_if_below.is_some_and(|least| gain.roughness < least) {
+            return Ok(Err(gain.describe()));
+        }
+        folded.gain = Some(gain);
+        write_textures(foldable, options, &mut material, &chain, &seen, &mut folded);
+        done(1.0);
+    }
+    (folded.notes, folded.warnings) = (material.notes, material.warnings);
+    Ok(Ok(folded))
+}
+
+/// One width or two; two where the material brings anisotropy.
+fn form(material: &mut Material, options: &ModelOptions, name: &str) -> Form {
+    let anisotropic = crate::material::Texels::is_anisotropic(material);
+    let form = options.form.unwrap_or(if anisotropic && options.fold.fold.has_two_widths() {
+        Form::Anisotropic
+    } else {
+        Form::Isotropic
+    });
+    if anisotropic && form == Form::Isotropic {
+        material.warnings.push(format!("{name}: one width loses the anisotropy from level 1 on; see --lobes aniso"));
+    }
+    form
+}
+
+fn write_textures(
+    foldable: &Foldable,
+    options: &ModelOptions,
+    material: &mut Material,
+    chain: &Chain,
+    seen: &[Seen],
+    folded: &mut FoldedMaterial,
+) {
+    let notes = &mut Vec::new();
+    let sheets: Vec<Sheet> = folded.slots.iter().map(|slot| sheet(material, *slot)).collect();
+    for (i, slot) in folded.slots.clone().into_iter().enumerate() {
+        let rows = Rows { material, chain, sheets: &sheets, layer: Layer::Sheet(i), flipped: false };
+        let format = texel_format(options.compress, slot);
+        let mut change: Box<dyn Fn(&mut [f32]) + Sync> = Box::new(|_| ());
+        match (slot, &foldable.anisotropy) {
+            (Slot::Roughness, _) => {
+                let (factor, largest) = (foldable.factor, largest(&rows, 1));
+                folded.keeps_factor = factor == 1.0 || foldable.roughness.is_some() && fits(largest, factor);
+                if folded.keeps_factor && factor != 1.0 {
+                    change = Box::new(move |texel| texel[1] = (texel[1] / factor).min(1.0));
+                } else if !folded.keeps_factor && foldable.roughness.is_some() {
+                    notes.push(format!(
+                        "roughnessFactor {factor} is multiplied into the texture and set to 1: folded roughness goes up to \
+                         {largest:.3}"
+                    ));
+                } else if foldable.roughness.is_none() {
+                    notes.push(format!(
+                        "no roughness texture: one is added, {factor} at level 0, metal left to metallicFactor"
+                    ));
+                }
+            }
+            (Slot::Anisotropy, Some(anisotropy)) => {
+                let (strength, rotation, largest) = (anisotropy.strength, anisotropy.rotation, largest(&rows, 2));
+                folded.keeps_strength = anisotropy.texture.is_some() && fits(largest, strength);
+                if !folded.keeps_strength {
+                    notes.push(format!("anisotropyStrength {strength} is multiplied into the texture and set to 1"));
+                }
+                let divisor = if folded.keeps_strength { strength } else { 1.0 };
+                if (divisor, rotation) != (1.0, 0.0) {
+                    change = Box::new(move |texel| {
+                        turn(texel, -rotation);
+                        texel[2] = (texel[2] / divisor).min(1.0);
+                    });
+                }
+            }
+            (Slot::Anisotropy, None) => folded.keeps_strength = false,
+            (Slot::Normal, _) => {}
+        }
+        let texture = if slot == Slot::Normal {
+            texture_of(&rows, format, options.effort)
+        } else {
+            encoded(&rows, format, options.effort, &change)
+        };
+        let mut bytes = Vec::new();
+        write_ktx2(&mut bytes, &texture, true).expect("memory takes everything");
+        let level_0 = proofs(&rows, &sheets[i], seen, &change);
+        folded.textures.push(Folded { slot, bytes, format, level_0 });
+    }
+    material.notes.append(notes);
+}
+
+/// Whether what goes up to `largest` can be written under a factor. The folded values of a flat map are those of level 0,
+/// but for rounding.
+fn fits(largest: f32, factor: f32) -> bool {
+    factor > 0.0 && largest <= factor * (1.0 + 1e-5)
+}
+
+/// Red, green and blue as glTF has them.
+fn sheet(material: &Material, slot: Slot) -> Sheet {
+    let role = match slot {
+        Slot::Normal => Role::NormalX,
+        Slot::Roughness => Role::Roughness,
+        Slot::Anisotropy => Role::AnisotropyX,
+    };
+    let of = |file: &MapFile| file.channel(role).is_some();
+    let map = material.maps.iter().position(of).expect("a material has its maps");
+    let count = material.maps[map].roles.len();
+    let own = |channel| Source::Channel { map, channel, inverted: false };
+    let sources = match (slot, count) {
+        (Slot::Normal, 2) => [own(0), own(1), Source::NormalZ { map }],
+        (Slot::Roughness, 1) => [Source::Constant(1.0), own(0), Source::Constant(1.0)],
+        _ => [own(0), own(1), own(2)],
+    };
+    Sheet::arranged(material.maps[map].stem.clone(), &sources)
+}
+
+fn texel_format(compress: Compress, slot: Slot) -> TexelFormat {
+    match (compress, slot) {
+        (Compress::Uastc, _) => TexelFormat::by_name("uastc").unwrap_or(TexelFormat::Bc7),
+        (Compress::Bc, Slot::Normal) => TexelFormat::Bc5,
+        (Compress::Bc, _) => TexelFormat::Bc7,
+        (Compress::None, _) => TexelFormat::Rgba8,
+    }
+}
+
+/// The largest value of a channel at any level.
+fn largest(rows: &Rows, channel: usize) -> f32 {
+    let of_row = |level: usize, y: usize| {
+        let mut row = vec![0.0; rows.size(level).width];
+        rows.row(level, channel, Encoding::Unsigned, y, 0, &mut row);
+        row.into_iter().fold(0.0, f32::max)
+    };
+    let of_level =
+        |level: usize| (0..rows.size(level).height).into_par_iter().map(|y| of_row(level, y)).reduce(|| 0.0, f32::max);
+    (0..rows.levels()).map(of_level).fold(0.0, f32::max)
+}
+
+/// A level as floats, with a change of every texel.
+fn raster(rows: &Rows, level: usize, change: &(dyn Fn(&mut [f32]) + Sync)) -> Raster {
+    let (size, channels) = (rows.size(level), rows.channels(Encoding::Unsigned).len());
+    let mut samples = vec![0.0; size.texels() * channels];
+    samples.par_chunks_exact_mut(size.width * channels).enumerate().for_each(|(y, out)| {
+        let mut row = vec![0.0; size.width];
+        for channel in 0..channels {
+            rows.row(level, channel, Encoding::Unsigned, y, 0, &mut row);
+            out.iter_mut().skip(channel).step_by(channels).zip(&row).for_each(|(out, v)| *out = *v);
+        }
+        out.chunks_exact_mut(channels).for_each(change);
+    });
+    let samples = Array3::from_shape_vec((size.height, size.width, channels), samples).expect("every sample");
+    Raster::new(Samples::F32(samples))
+}
+
+fn encoded(rows: &Rows, format: TexelFormat, effort: Effort, change: &(dyn Fn(&mut [f32]) + Sync)) -> Texture {
+    let levels = (0..rows.levels()).map(|level| encode(&raster(rows, level, change), format, effort));
+    Texture { size: rows.size(0), format, levels: levels.collect() }
+}
+
+/// What level 0 has become, channel by channel.
+fn proofs(rows: &Rows, sheet: &Sheet, seen: &[Seen], change: &(dyn Fn(&mut [f32]) + Sync)) -> Vec<Proof> {
+    let mut out = Vec::new();
+    let level_0 = raster(rows, 0, change);
+    for (i, (_, source)) in sheet.channels.iter().enumerate() {
+        let Source::Channel { map, channel, .. } = *source else { continue };
+        let crate::material::Origin::File { path, .. } = &rows.material.maps[map].origin else { continue };
+        let Some(seen) = seen.iter().find(|seen| seen.path == *path) else { continue };
+        let Samples::F32(samples) = &level_0.samples else { continue };
+        let after = digest(level_0.size(), seen.bits, |y, row| {
+            let plane = samples.index_axis(Axis(2), i);
+            row.iter_mut().zip(plane.row(y)).for_each(|(out, v)| *out = *v);
+        });
+        let before = seen.channels[channel].clone();
+        out.push(Proof { channel: ['r', 'g', 'b'][i], identical: before == after, before, after });
+    }
+    out
+}
+
+/// SHA-256 of the samples of a channel, little-endian.
+fn digest(size: Size, bits: u8, mut read: impl FnMut(usize, &mut [f32])) -> String {
+    let mut hash = Sha256::new();
+    let mut row = vec![0.0; size.width];
+    for y in 0..size.height {
+        read(y, &mut row);
+        for v in &row {
+            match bits {
+                8 => hash.update([(v * 255.0).round() as u8]),
+                16 => hash.update(((v * 65535.0).round() as u16).to_le_bytes()),
+                _ => hash.update(v.to_le_bytes()),
+            }
+        }
+    }
+    super::hexadecimal(&hash.finalize())
+}
