@@ -80,20 +80,18 @@ const TRANSCODED: f32 = 8.01 / 255.0;
 fn three_shows_the_levels_of_our_textures() {
     let desk = Desk::empty();
     let set = set(&desk, (100, 36));
-    let build = |name: &str, more: &str| {
-        let out = desk.build(name, &format!("{set} --preset three {more}"));
-        let files = files(&out, name);
-        assert_eq!(files.len(), 2, "{files:?}");
-        files
-    };
-    let uastc = build("uastc", "");
+    let build = |name: &str, more: &str| files(&desk.build(name, &format!("{set} {more}")), name);
+    let uastc = build("uastc", "--preset three");
     let mut all = Vec::new();
-    for (name, more, format) in [
-        ("bc", "--compress bc", "RGBA_BPTC_Format"),
-        ("none", "--compress none", "RGBAFormat"),
-        ("dds", "--format dds --dds9", "RGBAFormat"),
+    for (name, more, formats) in [
+        ("bc", "--preset three --compress bc", &["RGBA_BPTC_Format"; 2][..]),
+        ("apart", "--format ktx2", &["RED_GREEN_RGTC2_Format", "RED_RGTC1_Format"]),
+        ("none", "--preset three --compress none", &["RGBAFormat"; 2]),
+        ("dds", "--preset three --format dds --dds9", &["RGBAFormat"; 2]),
     ] {
-        all.extend(build(name, more).into_iter().map(|file| (file, format, ROUNDING)));
+        let files = build(name, more);
+        assert!(files.len() >= 2 && uastc.len() == 2, "{files:?}");
+        all.extend(files.into_iter().zip(formats).map(|(file, format)| (file, *format, ROUNDING)));
     }
     // UASTC: exact where it is unpacked; where it is transcoded into what the hardware has, that may cost a little.
     all.extend(uastc.iter().map(|file| (format!("plain:{file}"), "RGBAFormat", ROUNDING)));
