@@ -6,11 +6,11 @@ use std::io::sink;
 use std::path::Path;
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use mipfold::codec::{self, Depth, write_png};
+use mipfold::codec::{self, write_png};
 use mipfold::fold::{Options, chain};
 use mipfold::image::{Raster, Samples};
 use mipfold::material::{ChannelRef, Inputs, LevelView, RoughnessInput, load};
-use mipfold::output::{Format, Plan, Request, write};
+use mipfold::output::{Plan, Request, write};
 use mipfold::sample::by_name;
 use ndarray::{Axis, Slice};
 

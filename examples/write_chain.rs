@@ -3,7 +3,6 @@
 //! `cargo run --example write_chain -- wall_normal.png wall_orm.png:g out`
 #![allow(clippy::print_stdout)]
 
-use mipfold::codec::Depth;
 use mipfold::fold::{Options, chain};
 use mipfold::material::{ChannelRef, Inputs, RoughnessInput, load};
 use mipfold::ndf::Form;

@@ -67,7 +67,7 @@
 //! | [`moments`] | sums over a footprint that merge without loss |
 //! | [`summary`] | a footprint in a bounded number of lobes |
 //! | [`fold`] | a footprint becomes a lobe: the list of folds, and the loop over levels |
-//! | [`output`] | a chain becomes files: PNG, EXR, manifest; whole or not at all |
+//! | [`output`] | a chain becomes files: PNG, EXR, KTX 2, DDS, glTF, what engines want, manifest; whole or not at all |
 //! | [`sample`] | six materials made by code |
 //! | [`render`] | a small CPU renderer for evidence |
 //! | [`report`] | the judge's findings for people (one HTML page) and for programs (JSON, CSV) |

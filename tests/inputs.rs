@@ -1,6 +1,10 @@
 //! Every way to give a material: packings, depths, containers, sizes, and the flags that say what is what.
 
 mod common;
+#[path = "inputs/config.rs"]
+mod config;
+#[path = "inputs/folders.rs"]
+mod folders;
 
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};

@@ -6,6 +6,7 @@ use std::process::{Command, Stdio};
 
 use common::desk::Desk;
 use common::{bump, bumps, exr32, mipfold, names, png_levels};
+use mipfold::output::preset::PRESETS;
 
 #[test]
 fn places_that_cannot_be_written_are_refused() {
@@ -202,4 +203,38 @@ fn a_standard_output_that_fails_is_no_panic() {
         assert!(!stderr.contains("panicked"), "{args}: {stderr}");
         assert!(matches!(run.status.code(), Some(0 | 2)), "{args}: {:?}", run.status);
     }
+}
+
+/// The list names every preset; a page tells its facts with their sources, and what was not verified.
+#[test]
+fn presets_are_listed_and_told() {
+    let printed = |args: &[&str]| {
+        let run = mipfold().arg("presets").args(args).output().unwrap();
+        assert!(run.status.success(), "{args:?}: {}", String::from_utf8_lossy(&run.stderr));
+        String::from_utf8(run.stdout).unwrap()
+    };
+    let json = |args: &[&str]| serde_json::from_str::<serde_json::Value>(&printed(args)).unwrap();
+    let (list, all) = (printed(&[]), json(&["--json"]));
+    for (preset, listed) in PRESETS.iter().zip(all["presets"].as_array().unwrap()) {
+        let line = list.lines().find(|line| line.split_whitespace().next() == Some(preset.name));
+        let line = line.unwrap_or_else(|| panic!("{} is not in the list", preset.name));
+        assert!(line.contains(preset.format.extension()) && line.contains(&preset.letters()), "{line}");
+        assert_eq!(listed["name"], preset.name);
+        let (page, whole) = (printed(&[preset.name]), json(&[preset.name, "--json"]));
+        let words = page.split_whitespace().collect::<Vec<_>>().join(" ");
+        let facts = whole["facts"].as_array().unwrap();
+        assert_eq!(facts.len(), preset.facts.len());
+        for (fact, told) in preset.facts.iter().zip(facts) {
+            let mark = if fact.checked { "" } else { " (Not verified.)" };
+            assert!(words.contains(&format!("{}{mark} [{}]", fact.text, fact.source)), "{}: {page}", fact.text);
+            assert_eq!(told["checked"], fact.checked);
+        }
+        // File names and addresses do not break.
+        let wide = |line: &&str| line.chars().count() > 80 && line.trim().contains(' ');
+        assert_eq!(page.lines().find(wide), None, "{}", preset.name);
+    }
+    let run = mipfold().args(["presets", "quake"]).output().unwrap();
+    let said = String::from_utf8(run.stderr).unwrap();
+    assert_eq!(run.status.code(), Some(2));
+    assert!(said.contains("'quake'") && PRESETS.iter().all(|preset| said.contains(preset.name)), "{said}");
 }

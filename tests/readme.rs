@@ -1,6 +1,6 @@
-//! The README says what is so: its table of folds, commands, files, manifest fields, snippet and links are checked.
+//! The README says what is so: its tables, commands, files, manifest fields, snippet and links are checked.
 //!
-//! `BLESS=1 cargo test --test readme` writes the tables of folds and of checks again.
+//! `BLESS=1 cargo test --test readme` writes the tables of folds, checks and presets again.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -11,7 +11,9 @@ use mipfold::audit::CHECKS;
 use mipfold::codec::write_png;
 use mipfold::fold::FOLDS;
 use mipfold::image::{Raster, Samples};
-use mipfold::material::Extra;
+use mipfold::material::{Extra, NormalY};
+use mipfold::output::Format;
+use mipfold::output::preset::{Compress, PRESETS, Preset};
 use ndarray::Array3;
 
 #[path = "common/mesh.rs"]
@@ -22,6 +24,8 @@ const FOLDS_BEGIN: &str = "<!-- folds: written by `BLESS=1 cargo test --test rea
 const FOLDS_END: &str = "<!-- /folds -->\n";
 const CHECKS_BEGIN: &str = "<!-- checks: written by `BLESS=1 cargo test --test readme` -->\n";
 const CHECKS_END: &str = "<!-- /checks -->\n";
+const PRESETS_BEGIN: &str = "<!-- presets: written by `BLESS=1 cargo test --test readme` -->\n";
+const PRESETS_END: &str = "<!-- /presets -->\n";
 
 fn root(path: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join(path)
@@ -73,7 +77,7 @@ fn table(readme: &str, [begin, end, head]: [&str; 3], expected: &[Vec<String>]) 
 }
 
 #[test]
-fn tables_are_the_lists_of_folds_and_of_checks() {
+fn tables_are_the_lists_of_folds_checks_and_presets() {
     let widths = |two: bool| if two { "one or two" } else { "one" };
     let folds: Vec<Vec<String>> = FOLDS
         .iter()
@@ -85,9 +89,32 @@ fn tables_are_the_lists_of_folds_and_of_checks() {
     let readme = table(README, [FOLDS_BEGIN, FOLDS_END, head], &folds);
     let head = "| check | what it looks for |\n|---|---|\n";
     let readme = table(&readme, [CHECKS_BEGIN, CHECKS_END, head], &checks);
+    let head = "| preset | engine | container | normals | packed map |\n|---|---|---|---|---|\n";
+    let presets: Vec<Vec<String>> = PRESETS.iter().map(preset).collect();
+    let readme = table(&readme, [PRESETS_BEGIN, PRESETS_END, head], &presets);
     if readme != README {
         fs::write(root("README.md"), readme).unwrap();
     }
+}
+
+fn preset(preset: &Preset) -> Vec<String> {
+    let texels = match preset.compress {
+        Compress::None => "uncompressed",
+        Compress::Bc => "BC7 and BC5",
+        Compress::Uastc => "UASTC",
+    };
+    let container = match preset.format {
+        Format::Png => "PNG, a file a level".into(),
+        Format::Exr => "EXR, mip-mapped".into(),
+        Format::Ktx2 => format!("KTX 2, {texels}"),
+        Format::Dds => format!("DDS, {texels}"),
+    };
+    let green = if preset.normal_y == NormalY::OpenGl { "green up" } else { "green down" };
+    let normals = if preset.normal_z { format!("xyz, {green}") } else { format!("xy, {green}") };
+    let letters = preset.letters();
+    let packed =
+        if letters.is_empty() { "as it came".into() } else { format!("{letters}, `{}`", preset.packed_suffix) };
+    vec![format!("`{}`", preset.name), preset.engine.into(), container, normals, packed]
 }
 
 /// Makes the chains that `compare` shall read: the folder `out`, and a picture a level where a path has `%d`.
@@ -154,7 +181,7 @@ fn commands_work() {
     for command in &commands {
         let words: Vec<&str> = command.split_whitespace().collect();
         match words[..] {
-            ["cargo", "run", "--release", "--", ref arguments @ ..] => {
+            ["cargo", "run", "--", ref arguments @ ..] => {
                 run(arguments, tempfile::tempdir().unwrap().path());
             }
             ["mipfold", ref arguments @ ..] | ["/usr/bin/time", "-v", "target/release/mipfold", ref arguments @ ..] => {
@@ -169,7 +196,7 @@ fn commands_work() {
             _ => panic!("a command that this test does not know: {command}"),
         }
     }
-    assert!(commands.starts_with(&["cargo run --release -- demo", "cargo test"]), "{commands:?}");
+    assert!(commands.starts_with(&["cargo run -- demo", "cargo test"]), "{commands:?}");
     assert!(builds > 10, "{commands:?}");
 }
 
@@ -184,6 +211,7 @@ fn options_in_the_text_exist() {
         ["bake-curvature", "--help"],
         ["glint", "--help"],
         ["audit", "--help"],
+        ["presets", "--help"],
     ]
     .map(|arguments| {
         let output = Command::new(env!("CARGO_BIN_EXE_mipfold")).args(arguments).output().unwrap();

@@ -130,7 +130,14 @@ fn convention(
     // A height map beside the normals knows better than their curl.
     let by_heights = heights.as_ref().is_some_and(as_read);
     let confirmed = by_heights || (heights.is_none() && curl.as_ref().is_some_and(as_read));
-    let curl = curl.filter(|curl| !by_heights && !as_read(curl));
+    // What the curl says against the heights is said too.
+    let against = match (&curl, &heights) {
+        (Some(curl), Some(heights)) if !as_read(heights) && curl.reading != heights.reading => {
+            Some(curl.evidence.clone())
+        }
+        _ => None,
+    };
+    let curl = curl.filter(|curl| !by_heights && !as_read(curl) && against.is_none());
     let heights = heights.filter(|heights| !as_read(heights));
     let reading = heights.as_ref().or(curl.as_ref()).map(|v| v.reading).or(named.map(|_| Reading::Flipped))?;
     let agree = [&curl, &heights].iter().filter(|v| v.as_ref().is_some_and(|v| v.reading == reading)).count()
@@ -145,6 +152,7 @@ fn convention(
     let doubt = doubt.fold(name_doubt, |doubt, verdict| doubt * (1.0 - verdict.confidence));
     let mut evidence: Vec<String> =
         [&curl, &heights].into_iter().flatten().map(|verdict| verdict.evidence.clone()).collect();
+    evidence.extend(against.iter().map(|against| format!("but {against}")));
     evidence.extend(named.map(|named| {
         let but = if confirmed { ", but its slopes agree with how it is read" } else { "" };
         format!("the file's name says {}{but}", named.describe())
@@ -167,11 +175,11 @@ fn convention(
     Some(Finding {
         check: CHECK.name,
         // Two witnesses that do not know of each other.
-        severity: if agree >= 2 { Severity::Error } else { Severity::Warning },
+        severity: if agree >= 2 && against.is_none() { Severity::Error } else { Severity::Warning },
         map: normals.picture.file.clone(),
         channel: Some(if reading == Reading::Flipped { "green" } else { "red green" }),
         evidence: format!("read as {}; {}", normals.y.describe(), evidence.join("; ")),
-        confidence: (1.0 - doubt).min(0.99),
+        confidence: if against.is_some() { 0.5 } else { (1.0 - doubt).min(0.99) },
         fix,
     })
 }

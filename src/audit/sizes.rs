@@ -1,6 +1,6 @@
 //! Sizes of the maps.
 
-use super::{Check, Finding, Picture, Severity, Subject};
+use super::{Check, Finding, Severity, Subject};
 use crate::image::Size;
 
 /// Maps against each other.
@@ -10,12 +10,11 @@ pub const SET: Check = Check { name: "set-sizes", about: "maps of one material t
 pub const CHECK: Check =
     Check { name: "size", about: "sides that are no multiple of 4 (BC formats) or no power of two", run };
 
-fn pictures<'a>(subject: &'a Subject) -> impl Iterator<Item = &'a Picture<'a>> {
-    subject.pictures.iter().chain(&subject.height)
-}
-
 fn set(subject: &Subject) -> Vec<Finding> {
-    let sizes: Vec<(&str, Size)> = pictures(subject).map(|p| (p.file.as_str(), p.raster.size())).collect();
+    // Heights beside a normal map are not folded with it.
+    let heights = subject.height.as_ref().filter(|_| subject.inputs.normal.is_none());
+    let sizes: Vec<(&str, Size)> =
+        subject.pictures.iter().chain(heights).map(|p| (p.file.as_str(), p.raster.size())).collect();
     let Some((first, largest)) = sizes.iter().max_by_key(|(_, size)| size.texels()).copied() else { return vec![] };
     let others = sizes.iter().filter(|(_, size)| *size != largest);
     others
@@ -27,7 +26,7 @@ fn set(subject: &Subject) -> Vec<Finding> {
                 severity: if same_shape || one { Severity::Note } else { Severity::Warning },
                 map: file.to_owned(),
                 channel: None,
-                evidence: if same_shape {
+                evidence: if same_shape || one {
                     format!("{size}, but {first} is {largest}")
                 } else {
                     format!("{size}, but {first} is {largest}: another shape, so one of them is stretched or cut")

@@ -2,6 +2,7 @@
 
 use super::subject::bands;
 use super::{Check, Finding, Normals, Severity, Subject};
+use crate::codec::COLOUR_IGNORED;
 
 /// Normals that went through the sRGB curve.
 pub const CHECK: Check =
@@ -68,8 +69,7 @@ fn lengths(normals: &Normals) -> [f64; 2] {
 fn claim(subject: &Subject) -> Vec<Finding> {
     let pictures = subject.pictures.iter().chain(&subject.height);
     let claims = pictures.filter_map(|picture| {
-        let said = picture.notes.iter().find(|note| note.contains("says its data"))?;
-        let evidence = said.split(": ignored").next().unwrap_or(said).to_owned();
+        let evidence = picture.notes.iter().find_map(|note| note.strip_suffix(COLOUR_IGNORED))?.to_owned();
         let fix = "save it without colour information, or import it as linear (non-colour) data";
         Some(Finding {
             check: CLAIM.name,

@@ -74,6 +74,8 @@ pub enum Command {
     Glint(GlintArgs),
     /// Print shader helpers to include: what reads the maps, filters geometry and shades
     Kernels(KernelsArgs),
+    /// List what engines want, and tell why and how to load it
+    Presets(PresetsArgs),
 }
 
 #[derive(Args)]
@@ -123,6 +125,13 @@ pub struct KernelsArgs {
     pub bundle: bool,
 }
 
+#[derive(Args)]
+pub struct PresetsArgs {
+    /// Preset to tell all about [default: their list]
+    #[arg(value_name = "NAME")]
+    pub name: Option<String>,
+}
+
 /// A name and what is said of it, in lines that fit a terminal of 80 columns, so that nothing else breaks them.
 pub fn entry(name: &str, about: &str) -> String {
     const NAME: usize = 18;
@@ -153,13 +162,16 @@ pub fn fold_list() -> String {
 #[derive(Args)]
 #[command(after_help = fold_list())]
 pub struct BuildArgs {
-    /// Folders of texture sets, found by file name (NAME_normal.png, NAME_roughness.png, NAME_orm.png, ...); or one model,
-    /// .glb or .gltf
+    /// Folders of texture sets, found by file name (NAME_normal.png, NAME_roughness.png, NAME_orm.png, ...), with all
+    /// folders below; or one model, .glb or .gltf
     #[arg(value_name = "FOLDER|MODEL", conflicts_with_all = ["normal", "orm", "height", "anisotropy"])]
     pub inputs: Vec<PathBuf>,
     /// Folder for the outputs; several materials get a folder each below it. Of a model: the new one, .glb or .gltf
     #[arg(long, short, value_name = "DIR|MODEL")]
     pub output: PathBuf,
+    /// Options for all materials or for some of them, in place of the files mipfold.toml of the folders
+    #[arg(long, value_name = "FILE")]
+    pub config: Option<PathBuf>,
     #[command(flatten)]
     pub maps: MapArgs,
     #[command(flatten)]
@@ -233,6 +245,12 @@ pub struct MapArgs {
     /// Packed occlusion, roughness, metal; the same as --roughness FILE:g
     #[arg(long, value_name = "FILE", conflicts_with_all = ["roughness", "gloss"])]
     pub orm: Option<PathBuf>,
+    /// Ambient occlusion, for a --preset that packs it: a map or a channel of one
+    #[arg(long, value_name = "FILE[:r|g|b|a]")]
+    pub occlusion: Option<String>,
+    /// Metalness, likewise
+    #[arg(long, value_name = "FILE[:r|g|b|a]")]
+    pub metal: Option<String>,
     /// Anisotropy map in glTF's form: direction in red and green, strength in blue
     #[arg(long, value_name = "FILE")]
     pub anisotropy: Option<PathBuf>,
@@ -262,9 +280,9 @@ pub struct ReadingArgs {
     #[arg(long, value_name = "H", value_parser = positive,
           help = format!("Height of white over black, in widths of the texture [default: {DEFAULT_HEIGHT_SCALE}]"))]
     pub height_scale: Option<f32>,
-    /// What lies beyond the border
-    #[arg(long, value_enum, default_value = "repeat")]
-    pub wrap: WrapArg,
+    /// What lies beyond the border [default: repeat, but clamp for UDIM tiles]
+    #[arg(long, value_enum)]
+    pub wrap: Option<WrapArg>,
 }
 
 #[derive(Args)]
@@ -332,6 +350,13 @@ impl From<WrapArg> for Wrap {
     }
 }
 
+impl ReadingArgs {
+    /// What lies beyond the border, where no name tells.
+    pub fn wrap(&self) -> Wrap {
+        self.wrap.map_or(Wrap::default(), Into::into)
+    }
+}
+
 impl FoldArgs {
     /// As asked for, if it was.
     pub fn form(&self) -> Option<Form> {
@@ -368,8 +393,14 @@ impl ContainerArgs {
     pub fn request(&self, folder: &Path, force: bool) -> Request {
         let plain = Request::new(folder);
         let wanted = self.preset.map_or_else(|| plain.formats.clone(), |preset| vec![preset.format]);
+        let mut formats: Vec<Format> = Vec::new();
+        for format in if self.format.is_empty() { &wanted } else { &self.format } {
+            if !formats.contains(format) {
+                formats.push(*format);
+            }
+        }
         Request {
-            formats: if self.format.is_empty() { wanted } else { self.format.clone() },
+            formats,
             depth: if self.float { Depth::Float } else { Depth::Half },
             resize: self.resize,
             compress: self.compress.or(self.preset.map(|preset| preset.compress)).unwrap_or_default(),

@@ -4,15 +4,16 @@ use std::collections::hash_map::Entry;
 use std::collections::{BTreeSet, HashMap};
 use std::path::Path;
 
-use super::args::{BakeArgs, Global, WrapArg};
+use super::args::{BakeArgs, Global};
 use super::build::output_folders;
-use super::inputs::{given_width, read_as, single};
+use super::inputs::{beside_width, given_width, read_as, single};
 use super::job::{Job, NORMALS_COMPUTED, Under};
 use super::report::{Built, Extent, Report};
 use crate::codec;
 use crate::curvature::{BakeOptions, LoadOptions, Mesh, load, vertex_curvature};
 use crate::error::{Error, Result};
 use crate::fold::Options;
+use crate::image::Wrap;
 use crate::material::{Extra, Inputs, Model, NormalRange, NormalY, NormalZ, RoughnessInput, Surface};
 use crate::output::{MANIFEST, Request, may_build, vertices_name, write_vertices};
 
@@ -162,7 +163,7 @@ fn flagged(args: &BakeArgs) -> Result<Option<Inputs>> {
         && reading.normal_range == NormalRange::default()
         && reading.normal_scale == 1.0
         && reading.height_scale.is_none()
-        && matches!(reading.wrap, WrapArg::Repeat);
+        && reading.wrap() == Wrap::default();
     if as_they_are {
         return Ok(None);
     }
@@ -191,6 +192,7 @@ fn into_texture(
     if width != RoughnessInput::Missing {
         inputs.roughness = width;
     }
+    beside_width(&mut inputs, &args.maps);
     let inputs = Inputs { name: bake.name.clone(), flat: Some(args.size), ..inputs };
     let read = |path: &Path| surface.map_or_else(|| codec::read(path), |surface| surface.read(path));
     let baking = BakeOptions { padding: usize::from(args.padding) };
@@ -227,6 +229,7 @@ fn at_vertices(bake: &Bake, folder: &Path, global: &Global) -> Result<Built> {
         folder: folder.to_string_lossy().into_owned(),
         extent: Extent::Vertices { vertices: mesh.positions.len(), triangles: mesh.triangles.len() },
         files: vec![file, MANIFEST.into()],
+        maps: Vec::new(),
         notes: vec!["no texture coordinates: curvature at the vertices".into()],
         warnings: if mesh.normals_computed { vec![NORMALS_COMPUTED.into()] } else { vec![] },
     })

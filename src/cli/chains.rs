@@ -66,7 +66,7 @@ impl Chain {
         let name = pairs.iter().find(|(key, _)| *key == "name").map(|(_, name)| (*name).to_owned());
         let container = pairs.iter().find(|(key, _)| *key == "container").map(|(_, name)| *name);
         let container = container.map(|name| {
-            let wrong = || Error::invalid_option(text, format!("container={name}"), "png, exr or lobes");
+            let wrong = || Error::invalid_option(text, format!("container={name}"), "png, ktx2, dds, exr or lobes");
             Container::by_name(name).ok_or_else(wrong)
         });
         let container = container.transpose()?;
@@ -78,9 +78,11 @@ impl Chain {
                 }
                 Self::at(text, Path::new(path), container, name)
             }
-            None if container.is_some() => {
-                Err(Error::invalid_option(text, "a container without a folder", "FOLDER,container=png|exr|lobes"))
-            }
+            None if container.is_some() => Err(Error::invalid_option(
+                text,
+                "a container without a folder",
+                "FOLDER,container=png|ktx2|dds|exr|lobes",
+            )),
             None => {
                 let inputs = maps(text, &pairs, reading)?;
                 let name = name.unwrap_or_else(|| inputs.name.clone());
@@ -103,7 +105,11 @@ impl Chain {
             return Err(Error::invalid(path, "a single file", EXPECTED));
         }
         if container.is_some() {
-            return Err(Error::invalid(path, "a container of a single file", "FOLDER,container=png|exr|lobes"));
+            return Err(Error::invalid(
+                path,
+                "a container of a single file",
+                "FOLDER,container=png|ktx2|dds|exr|lobes",
+            ));
         }
         let name = name.unwrap_or_else(|| own(path.file_stem()));
         Ok(Self { name, text: text.into(), source: Source::Lobes(path.to_owned()) })
@@ -138,7 +144,7 @@ fn maps(text: &str, pairs: &[(&str, &str)], reading: &ReadingArgs) -> Result<Inp
         normal_z: reading.normal_z,
         normal_range: reading.normal_range,
         normal_scale: Some(reading.normal_scale),
-        wrap: reading.wrap.into(),
+        wrap: reading.wrap(),
         ..Inputs::default()
     };
     let mut widths = 0;

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use super::args::Global;
 use super::chains::{Chain, Source};
 use super::compare_args::{CompareArgs, FoldChoice};
-use super::inputs::{folder, read_as, single};
+use super::inputs::{nearest, read_as, single};
 use super::judging::{self, Judging, REPORT_FILES, may_report};
 use super::lobes_arg::LobesArg;
 use super::report::Report;
@@ -100,7 +100,7 @@ pub fn run(args: &CompareArgs, global: &Global, report: &mut Report) -> Result<(
 fn base(args: &CompareArgs, chains: &[Chain], read: &[LevelChain]) -> Result<(Material, String)> {
     let (maps, reading) = (&args.maps, &args.reading);
     if let Some(path) = &args.base {
-        let sets = match folder(path, maps, reading) {
+        let sets = match nearest(path, maps, reading) {
             // What a build wrote is no texture set, but has a level 0.
             Err(_) if Earlier::read(path).is_some() => {
                 return Ok((read_folder(path, None)?.level_0, format!("level 0 of {}", path.display())));

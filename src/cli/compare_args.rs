@@ -22,7 +22,7 @@ const PER_SIDE: usize = 4;
 fn after_help() -> String {
     let metrics: Vec<String> = Metric::ALL.iter().map(|metric| entry(metric.name, metric.about)).collect();
     let chains = [
-        ("FOLDER", "that `mipfold build` wrote; FOLDER,container=png|exr|lobes chooses among what is there"),
+        ("FOLDER", "that `mipfold build` wrote; FOLDER,container=png|ktx2|dds|exr|lobes chooses among what is there"),
         ("NAME_lobes.exr", "that `mipfold build --format exr` wrote"),
         (
             "KEY=VALUE,...",
@@ -165,7 +165,7 @@ impl LookArgs {
     pub fn settings(&self, size: Size, reading: &ReadingArgs) -> Result<Settings> {
         let interpolation = match self.interpolation {
             InterpolationArg::Constant => Interpolation::Constant,
-            InterpolationArg::Bilinear => Interpolation::Bilinear { per_side: PER_SIDE, wrap: reading.wrap.into() },
+            InterpolationArg::Bilinear => Interpolation::Bilinear { per_side: PER_SIDE, wrap: reading.wrap() },
         };
         Ok(Settings {
             texels: (self.texels < usize::MAX).then_some(self.texels),

@@ -3,7 +3,7 @@
 use super::args::Global;
 use super::compare::levels;
 use super::glint_args::{GlintArgs, PreviewArgs};
-use super::inputs::{folder, read_as, single};
+use super::inputs::{nearest, read_as, single};
 use super::job::Job;
 use super::report::Report;
 use crate::codec::{self, write_apng, write_png};
@@ -72,7 +72,7 @@ pub fn run(args: &GlintArgs, global: &Global, report: &mut Report) -> Result<()>
 /// The material that is asked for.
 fn one(args: &GlintArgs) -> Result<Inputs> {
     let Some(input) = &args.input else { return single(&args.maps, &args.reading, "glint") };
-    let mut sets = folder(input, &args.maps, &args.reading)?;
+    let mut sets = nearest(input, &args.maps, &args.reading)?;
     if sets.len() > 1 {
         let names: Vec<_> = sets.iter().flatten().map(|set| set.name.as_str()).collect();
         let found = format!("{} materials ({})", sets.len(), names.join(", "));

@@ -4,22 +4,39 @@ use std::path::Path;
 
 use super::args::{MapArgs, ReadingArgs};
 use crate::error::{Error, Result};
-use crate::material::{ChannelRef, Inputs, RoughnessInput, detect};
+use crate::image::Wrap;
+use crate::material::detect::{self, Found, Given, TextureSet};
+use crate::material::{ChannelRef, Inputs, RoughnessInput};
 use crate::roughness::PerceptualRoughness;
 
-/// The options that hold for all materials.
-pub fn read_as(set: Inputs, maps: &MapArgs, reading: &ReadingArgs) -> Result<Inputs> {
+/// A material as the options want it: the maps that they name go before those that were found.
+pub fn read_as(mut set: Inputs, maps: &MapArgs, reading: &ReadingArgs) -> Result<Inputs> {
     let given = given_width(maps)?;
+    beside_width(&mut set, maps);
+    if set.wrap == Wrap::Clamp && reading.wrap.is_none() {
+        set.notes.push("beyond the border lies another tile, so it is clamped; --wrap changes it".into());
+    }
     Ok(Inputs {
         name: maps.name.clone().unwrap_or(set.name),
+        normal: maps.normal.clone().or(set.normal),
+        anisotropy: maps.anisotropy.clone().or(set.anisotropy),
+        height: maps.height.clone().or(set.height),
         roughness: if given == RoughnessInput::Missing { set.roughness } else { given },
         normal_z: reading.normal_z,
         normal_range: reading.normal_range,
         normal_scale: Some(reading.normal_scale),
         height_scale: reading.height_scale,
-        wrap: reading.wrap.into(),
+        wrap: reading.wrap.map_or(set.wrap, Into::into),
         ..set
     })
+}
+
+/// Occlusion and metal that options name, or that are in `--orm`.
+pub fn beside_width(inputs: &mut Inputs, maps: &MapArgs) {
+    let orm = |channel| maps.orm.as_ref().map(|path| ChannelRef { path: path.clone(), channel: Some(channel) });
+    let named = |option: &Option<String>, channel| option.as_deref().map(ChannelRef::parse).or_else(|| orm(channel));
+    inputs.occlusion = named(&maps.occlusion, 0).or(inputs.occlusion.take());
+    inputs.metal = named(&maps.metal, 2).or(inputs.metal.take());
 }
 
 /// The roughness that flags give.
@@ -72,8 +89,19 @@ pub fn smoothness(subject: &str, text: &str) -> Result<RoughnessInput> {
     }
 }
 
-/// The materials of a folder.
-pub fn folder(input: &Path, maps: &MapArgs, reading: &ReadingArgs) -> Result<Vec<Result<Inputs>>> {
+/// What the options say of a material, and names need not.
+pub fn given(maps: &MapArgs, reading: &ReadingArgs) -> Given {
+    Given {
+        normal_y: reading.normal_y,
+        normal: maps.normal.is_some(),
+        width: maps.roughness.is_some() || maps.gloss.is_some() || maps.orm.is_some(),
+        anisotropy: maps.anisotropy.is_some(),
+        height: maps.height.is_some(),
+    }
+}
+
+/// The texture sets of a folder and of all below it, without the folder of the outputs.
+pub fn look(input: &Path, outputs: Option<&Path>) -> Result<Found> {
     let extension = input.extension().unwrap_or_default().to_string_lossy().to_lowercase();
     if input.is_file() {
         let hint = if extension == "glb" || extension == "gltf" {
@@ -83,6 +111,34 @@ pub fn folder(input: &Path, maps: &MapArgs, reading: &ReadingArgs) -> Result<Vec
         };
         return Err(Error::unsupported(input, "a single file", hint));
     }
-    let width_given = maps.roughness.is_some() || maps.gloss.is_some();
-    detect::folder(input, reading.normal_y, width_given)
+    detect::folder(input, outputs)
+}
+
+/// The materials of a folder and of all below it.
+pub fn folder(input: &Path, maps: &MapArgs, reading: &ReadingArgs) -> Result<Vec<Result<Inputs>>> {
+    Ok(materials(input, maps, reading)?.into_iter().map(|(_, inputs)| inputs).collect())
+}
+
+/// A folder's own materials, or else those below it.
+pub fn nearest(input: &Path, maps: &MapArgs, reading: &ReadingArgs) -> Result<Vec<Result<Inputs>>> {
+    let (own, below): (Vec<_>, Vec<_>) =
+        materials(input, maps, reading)?.into_iter().partition(|(set, _)| set.below.as_os_str().is_empty());
+    let found = if own.is_empty() { below } else { own };
+    Ok(found.into_iter().map(|(_, inputs)| inputs).collect())
+}
+
+fn materials(input: &Path, maps: &MapArgs, reading: &ReadingArgs) -> Result<Vec<(TextureSet, Result<Inputs>)>> {
+    let (found, given) = (look(input, None)?, given(maps, reading));
+    let mut materials = Vec::new();
+    for set in found.sets {
+        if let Some(inputs) = set.inputs(&given).transpose() {
+            materials.push((set, inputs));
+        }
+    }
+    let mut alone = detect::widths_alone(&materials.iter().map(|(set, inputs)| (set, inputs)).collect::<Vec<_>>());
+    materials.retain(|_| !alone.remove(0));
+    if materials.is_empty() {
+        return Err(found.errors.into_iter().next().unwrap_or_else(|| detect::nothing(input)));
+    }
+    Ok(materials)
 }

@@ -10,7 +10,7 @@ use super::report::{Built, Extent, Portion};
 use crate::curvature::{BakeOptions, Mesh, Summary, bake, check};
 use crate::error::Result;
 use crate::fold::{Chain, Options};
-use crate::material::{Extra, Inputs, Material, MeshAbout, MeshUnder, ReadPicture, Texels, load_with};
+use crate::material::{Earlier, Extra, Inputs, Material, MeshAbout, MeshUnder, ReadPicture, Texels, load_with};
 use crate::ndf::Form;
 use crate::output::{MANIFEST, Plan, Request, fold_for, gain, write_with};
 
@@ -61,6 +61,9 @@ pub struct Done {
 }
 
 impl Job<'_> {
+    /// Of the bar, for folding and writing.
+    pub const STEPS: u64 = 2 * Portion::STEPS;
+
     /// Reads, folds and writes the material; a dry run stops before folding.
     pub fn run(&self, dry_run: bool, bar: &ProgressBar) -> Result<Done> {
         let (name, request) = (&self.inputs.name, self.request);
@@ -95,8 +98,9 @@ impl Job<'_> {
                 fold: options.fold.name,
             },
             files,
+            maps: Vec::new(),
             notes: material.notes.clone(),
-            warnings: material.warnings.clone(),
+            warnings: material.warnings.iter().chain(&plan.warnings).cloned().collect(),
             gain: None,
             skipped: false,
         };
@@ -111,6 +115,9 @@ impl Job<'_> {
         built.gain = Some(gain);
         if self.skip_if_below.is_some_and(|least| gain.roughness < least) {
             built.skipped = true;
+            if Earlier::read(&request.folder).is_some_and(|earlier| earlier.material == material.name) {
+                built.warnings.push(format!("what an earlier build left in {} is still there", built.folder));
+            }
             built.files.clear();
             writing.show(1.0);
             return Ok(Done { material, options, chain: Some(chain), built });

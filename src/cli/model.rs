@@ -6,7 +6,7 @@ use clap::Args;
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::args::{BuildArgs, Global, WrapArg};
+use super::args::{BuildArgs, Global};
 use super::report::{Portion, Report};
 use crate::error::{Error, Result};
 use crate::material::{Fate, Foldable, Model, NormalRange, NormalY, NormalZ};
@@ -183,7 +183,7 @@ fn options(args: &BuildArgs) -> Result<ModelOptions> {
         ("--normal-range", reading.normal_range != NormalRange::default()),
         ("--normal-scale", reading.normal_scale != 1.0),
         ("--height-scale", reading.height_scale.is_some()),
-        ("--wrap", !matches!(reading.wrap, WrapArg::Repeat)),
+        ("--wrap", reading.wrap.is_some()),
     ];
     if let Some((option, _)) = given.into_iter().find(|(_, given)| *given) {
         return refuse(option, "a model", "no such option: a model says itself how its textures are read");

@@ -21,6 +21,9 @@ pub struct Built {
     #[serde(flatten)]
     pub extent: Extent,
     pub files: Vec<String>,
+    /// What it is made from, where names were looked at.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub maps: Vec<MapSaid>,
     pub notes: Vec<String>,
     pub warnings: Vec<String>,
     /// How far it is from plain mips, if it was folded.
@@ -34,6 +37,39 @@ pub struct Built {
 pub struct Unchanged {
     pub name: String,
     pub folder: String,
+    /// Of the build.
+    pub warnings: Vec<String>,
+}
+
+/// A map of a material, and why it is one.
+#[derive(Clone, Serialize)]
+pub struct MapSaid {
+    pub role: &'static str,
+    pub file: String,
+    /// Of a packed map.
+    pub channel: Option<&'static str>,
+    pub why: String,
+}
+
+impl Display for MapSaid {
+    fn fmt(&self, f: &mut Formatter) -> std::fmt::Result {
+        let channel = self.channel.map(|channel| format!(", {channel}")).unwrap_or_default();
+        write!(f, "{}: {}{channel} ({})", self.role, self.file, self.why)
+    }
+}
+
+/// A file or folder that plays no part.
+#[derive(Serialize)]
+pub struct Passed {
+    pub path: String,
+    pub why: String,
+}
+
+/// A texture of several tiles, each of which is a material.
+#[derive(Serialize)]
+pub struct Tiles {
+    pub name: String,
+    pub tiles: Vec<String>,
 }
 
 /// What was built.
@@ -64,6 +100,12 @@ struct Json<'a> {
     materials: &'a [Built],
     #[serde(skip_serializing_if = "<[_]>::is_empty")]
     unchanged: &'a [Unchanged],
+    #[serde(skip_serializing_if = "<[_]>::is_empty")]
+    udim: &'a [Tiles],
+    #[serde(skip_serializing_if = "<[_]>::is_empty")]
+    passed_over: &'a [Passed],
+    #[serde(skip_serializing_if = "<[_]>::is_empty")]
+    warnings: &'a [String],
     errors: &'a [String],
 }
 
@@ -74,6 +116,10 @@ pub struct Report {
     dry_run: bool,
     built: Vec<Built>,
     unchanged: Vec<Unchanged>,
+    udim: Vec<Tiles>,
+    passed_over: Vec<Passed>,
+    /// Of no material.
+    warnings: Vec<String>,
     errors: Vec<String>,
     /// Whether a check failed.
     failed: bool,
@@ -90,7 +136,8 @@ impl Report {
         let shown = !global.json && !global.quiet && std::io::stderr().is_terminal();
         let target = if shown { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };
         let progress = ProgressBar::with_draw_target(Some(0), target);
-        let style = ProgressStyle::with_template("{bar:30} {pos}/{len} {msg} {elapsed}").expect("a fixed template");
+        let style = ProgressStyle::with_template("{bar:30} {percent:>3}% {msg} {elapsed}, {eta} left")
+            .expect("a fixed template");
         progress.set_style(style);
         Self {
             json: global.json,
@@ -98,6 +145,9 @@ impl Report {
             dry_run: global.dry_run,
             built: vec![],
             unchanged: vec![],
+            udim: vec![],
+            passed_over: vec![],
+            warnings: vec![],
             errors: vec![],
             failed: false,
             document: None,
@@ -138,20 +188,50 @@ impl Report {
         };
         self.say(&format!("{}: {}: {done}", built.name, built.extent));
         built.gain.iter().for_each(|gain| self.say(&format!("  {}", gain.describe())));
+        if self.dry_run {
+            built.maps.iter().for_each(|map| self.say(&format!("  {map}")));
+        }
         built.notes.iter().for_each(|note| self.say(&format!("  {note}")));
         if self.dry_run {
             built.files.iter().for_each(|file| self.say(&format!("  {file}")));
         }
-        for warning in &built.warnings {
-            let name = if warning.starts_with(&built.name) { String::new() } else { format!("{}: ", built.name) };
+        self.warnings_of(&built.name, &built.warnings);
+        self.built.push(built);
+    }
+
+    fn warnings_of(&self, name: &str, warnings: &[String]) {
+        for warning in warnings {
+            let name = if warning.starts_with(name) { String::new() } else { format!("{name}: ") };
             self.warning(&format!("{name}{warning}"));
         }
-        self.built.push(built);
     }
 
     pub fn unchanged(&mut self, unchanged: Unchanged) {
         self.say(&format!("{}: unchanged in {}; --force builds it again", unchanged.name, unchanged.folder));
+        self.warnings_of(&unchanged.name, &unchanged.warnings);
         self.unchanged.push(unchanged);
+    }
+
+    pub fn tiles(&mut self, tiles: Tiles) {
+        let (first, last) = (tiles.tiles.first().expect("one at least"), tiles.tiles.last().expect("one at least"));
+        let count = tiles.tiles.len();
+        let said = if count == 1 { format!("1 tile], {first}") } else { format!("{count} tiles], {first} to {last}") };
+        self.say(&format!("{}: [UDIM: {said}", tiles.name));
+        self.udim.push(tiles);
+    }
+
+    /// People see it in a dry run, programs always.
+    pub fn passed_over(&mut self, passed: Passed) {
+        if self.dry_run {
+            self.say(&format!("passed over: {}: {}", passed.path, passed.why));
+        }
+        self.passed_over.push(passed);
+    }
+
+    /// A warning about no material alone.
+    pub fn warn(&mut self, text: String) {
+        self.warning(&text);
+        self.warnings.push(text);
     }
 
     pub fn warning(&self, text: &str) {
@@ -182,8 +262,9 @@ impl Report {
     pub fn finish(self) -> ExitCode {
         self.progress.finish_and_clear();
         if self.json {
-            let Report { built, unchanged, errors, dry_run, .. } = &self;
-            let json = Json { schema: 1, dry_run: *dry_run, materials: built, unchanged, errors };
+            let Report { built, unchanged, udim, passed_over, warnings, errors, dry_run, .. } = &self;
+            let (materials, dry_run) = (built.as_slice(), *dry_run);
+            let json = Json { schema: 1, dry_run, materials, unchanged, udim, passed_over, warnings, errors };
             let list = || serde_json::to_string_pretty(&json).expect("plain data");
             let document = self.document.as_ref().filter(|_| errors.is_empty());
             self.out(document.map_or_else(list, |text| text.trim_end().to_owned()).as_str());
@@ -209,7 +290,7 @@ pub struct Portion {
 
 impl Portion {
     /// As fine as a bar of 30 characters can show.
-    const STEPS: u64 = 100;
+    pub const STEPS: u64 = 100;
 
     /// Room on a bar.
     pub fn on(bar: &ProgressBar) -> Self {

@@ -8,7 +8,7 @@ use ::image::metadata::Orientation;
 use ::image::{DynamicImage, ImageDecoder, ImageError, ImageResult, Limits};
 use ndarray::Array3;
 
-use super::{Format, Source};
+use super::{COLOUR_IGNORED, Format, Source};
 use crate::error::{Error, Result};
 use crate::image::{Raster, Samples, Size};
 
@@ -60,7 +60,7 @@ fn finish(source: &Source, decoder: ImageResult<impl ImageDecoder>) -> Result<(R
         notes.push(format!("{name} asks to be turned or mirrored: ignored"));
     }
     if matches!(decoder.icc_profile(), Ok(Some(_))) {
-        notes.push(format!("{name} says its data has an ICC profile: ignored, data is taken as linear"));
+        notes.push(format!("{name} says its data has an ICC profile{COLOUR_IGNORED}"));
     }
 
     let samples = match DynamicImage::from_decoder(decoder).map_err(fail)? {

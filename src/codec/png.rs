@@ -5,7 +5,7 @@ use std::io::{self, Cursor, Write};
 use ::png::{BitDepth, ColorType, Compression, Decoder, Encoder, Limits, Reader, Transformations};
 use ndarray::Array3;
 
-use super::Source;
+use super::{COLOUR_IGNORED, Source};
 use crate::error::Result;
 use crate::image::{Raster, Samples};
 
@@ -100,8 +100,7 @@ fn color_notes(bytes: &[u8]) -> Option<String> {
         _ => None,
     };
     let claims: Vec<_> = chunks(bytes).filter_map(claim).collect();
-    (!claims.is_empty())
-        .then(|| format!("PNG says its data {}: ignored, data is taken as linear", claims.join(" and ")))
+    (!claims.is_empty()).then(|| format!("PNG says its data {}{COLOUR_IGNORED}", claims.join(" and ")))
 }
 
 /// Whether [`write_png`] would give the picture the same header: 8 or 16 bit, no palette, not interlaced, one frame,

@@ -7,7 +7,7 @@ use ::tiff::tags::Tag;
 use ::tiff::{ColorType, TiffError};
 use ndarray::Array3;
 
-use super::Source;
+use super::{COLOUR_IGNORED, Source};
 use crate::error::{Error, Result};
 use crate::image::{Raster, Samples};
 
@@ -56,7 +56,7 @@ pub(super) fn decode(source: &Source) -> Result<(Raster, Vec<String>)> {
         notes.push(format!("TIFF asks to be turned or mirrored (orientation {orientation}): ignored"));
     }
     if matches!(decoder.find_tag(Tag::IccProfile), Ok(Some(_))) {
-        notes.push("TIFF says its data has an ICC profile: ignored, data is taken as linear".to_owned());
+        notes.push(format!("TIFF says its data has an ICC profile{COLOUR_IGNORED}"));
     }
     if decoder.more_images() {
         notes.push("TIFF has several pictures: the first is read".to_owned());

@@ -78,6 +78,7 @@ pub(crate) struct Material {
     pub name: Option<String>,
     pub pbr_metallic_roughness: MetallicRoughness,
     pub normal_texture: Option<TextureInfo>,
+    pub occlusion_texture: Option<TextureInfo>,
     pub extensions: BTreeMap<String, serde::de::IgnoredAny>,
 }
 

@@ -4,15 +4,17 @@ use std::path::{Path, PathBuf};
 
 use super::NormalY;
 use super::detect::is_picture;
-use super::names::{Kind, common_name, convention, meaning_of};
+use super::names::{Kind, Meaning, common_name, convention, meaning_of};
 
 /// The height map of the same set as a map: the only one in its folder with the same common name.
 pub fn height_beside(map: &Path) -> Option<PathBuf> {
     let meaning = |path: &Path| meaning_of(&path.file_stem()?.to_string_lossy());
-    let common = common_name(&meaning(map)?.material);
+    let own = meaning(map)?;
+    let common = common_name(&own.material);
     let folder = map.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let is_height = |path: &PathBuf| {
-        is_picture(path) && meaning(path).is_some_and(|m| m.kind == Kind::Height && common_name(&m.material) == common)
+        let same = |m: Meaning| m.kind == Kind::Height && m.tile == own.tile && common_name(&m.material) == common;
+        is_picture(path) && meaning(path).is_some_and(same)
     };
     let mut found = std::fs::read_dir(folder).ok()?.flatten().map(|entry| entry.path()).filter(is_height);
     found.next().filter(|_| found.next().is_none())
@@ -26,8 +28,9 @@ pub fn named_normal_y(path: &Path) -> Option<NormalY> {
 /// Whether a name says gloss or smoothness (true) or roughness (false).
 pub fn named_smooth(path: &Path) -> Option<bool> {
     match meaning_of(&path.file_stem()?.to_string_lossy())?.kind {
-        Kind::Smoothness | Kind::PackedSmoothness(_) => Some(true),
-        Kind::Roughness | Kind::Packed(_) | Kind::NormalRoughness => Some(false),
+        Kind::Packed(layout) => Some(layout.smooth),
+        Kind::Smoothness => Some(true),
+        Kind::Roughness | Kind::NormalRoughness => Some(false),
         _ => None,
     }
 }
@@ -47,6 +50,11 @@ mod tests {
         // Two of them: neither.
         assert_eq!(height_beside(&at("door_normal.png")), None);
         assert_eq!(height_beside(&at("floor_normal.png")), None);
+        // Of the same tile.
+        for name in ["hall_normal.1001.png", "hall_height.1001.png", "hall_height.1002.png"] {
+            std::fs::write(at(name), "").unwrap();
+        }
+        assert_eq!(height_beside(&at("hall_normal.1001.png")), Some(at("hall_height.1001.png")));
     }
 
     #[test]

@@ -8,6 +8,9 @@ use serde::Deserialize;
 /// Name of the manifest in a material's folder.
 pub const MANIFEST: &str = "manifest.json";
 
+/// Name of its copy while files get their names.
+pub const JOURNAL: &str = ".mipfold-commit.json";
+
 /// The value of `generator` in our manifests.
 pub const GENERATOR: &str = "mipfold";
 
@@ -17,14 +20,13 @@ pub const PICTURES: [&str; 4] = ["glints.png", "glints_zoom.png", "glints_pan.pn
 /// Version of the manifest's form; fields are added, never renamed.
 pub const SCHEMA: u32 = 1;
 
-/// Whether a text of this name may lie beside a chain: what engines are told about it.
-fn is_aside(name: &str) -> bool {
-    let plain = Path::new(name).components().count() == 1 && Path::new(name).file_name().is_some();
-    plain && (ASIDES.contains(&name) || [".ktx2.meta", ".dds.meta"].iter().any(|ending| name.ends_with(ending)))
+/// Whether a text of this name may lie beside maps of these files: what engines are told about them.
+fn is_aside(name: &str, maps: &[String]) -> bool {
+    ASIDES.contains(&name) || name.strip_suffix(".meta").is_some_and(|file| maps.iter().any(|map| map == file))
 }
 
 /// Names of texts that may lie beside a chain.
-pub const ASIDES: [&str; 2] = ["README.txt", "MipfoldMips.cs"];
+pub const ASIDES: [&str; 2] = ["README.txt", "MipfoldMips.cs.txt"];
 
 /// An earlier build, by its manifest.
 #[derive(Debug, Default)]
@@ -37,11 +39,26 @@ pub struct Earlier {
     pub key: Option<String>,
     /// SHA-256 of each file but the manifest, hexadecimal.
     pub digests: BTreeMap<String, String>,
+    /// What looked wrong with the inputs.
+    pub warnings: Vec<String>,
 }
 
 impl Earlier {
-    /// What the manifest in `folder` says; `None` where none of ours lies.
+    /// What the manifest in `folder` says, and the journal of a build that was interrupted; `None` where none of ours lies.
     pub fn read(folder: &Path) -> Option<Self> {
+        let [manifest, journal] = [MANIFEST, JOURNAL].map(|name| Self::of_file(&folder.join(name)));
+        match (manifest, journal) {
+            (manifest, None) => manifest,
+            (None, Some(journal)) => Some(Self { key: None, ..journal }),
+            (Some(manifest), Some(mut journal)) => {
+                let further = manifest.files.into_iter().filter(|file| !journal.files.contains(file));
+                journal.files.extend(further.collect::<Vec<_>>());
+                Some(Self { key: None, ..journal })
+            }
+        }
+    }
+
+    fn of_file(path: &Path) -> Option<Self> {
         #[derive(Deserialize)]
         struct Map {
             files: Vec<String>,
@@ -58,8 +75,10 @@ impl Earlier {
             key: Option<String>,
             #[serde(default)]
             sha256: BTreeMap<String, String>,
+            #[serde(default)]
+            warnings: Vec<String>,
         }
-        let text = std::fs::read(folder.join(MANIFEST)).ok()?;
+        let text = std::fs::read(path).ok()?;
         let manifest: Manifest = serde_json::from_slice(&text).ok()?;
         // The manifest may have been edited: names that leave the folder, or are none that we give, are nobody's.
         let ours = |file: &String| {
@@ -70,13 +89,13 @@ impl Earlier {
                     || (file.ends_with(".png") && file.contains("_mip")))
         };
         let pictures = manifest.pictures.into_iter().filter(|name| PICTURES.contains(&name.as_str()));
-        let maps = manifest.maps.into_iter().flat_map(|map| map.files).filter(ours);
-        let asides = manifest.asides.into_iter().filter(|name| is_aside(name));
-        let files: Vec<_> = maps.chain(pictures).chain(asides).chain([MANIFEST.to_owned()]).collect();
+        let maps: Vec<_> = manifest.maps.into_iter().flat_map(|map| map.files).filter(ours).collect();
+        let asides = manifest.asides.into_iter().filter(|name| is_aside(name, &maps)).collect::<Vec<_>>();
+        let files: Vec<_> = maps.into_iter().chain(pictures).chain(asides).chain([MANIFEST.to_owned()]).collect();
         let mut digests = manifest.sha256;
         digests.retain(|name, _| files.contains(name));
-        let (material, key) = (manifest.material, manifest.key);
-        (manifest.generator == GENERATOR).then(|| Self { material, files, key, digests })
+        let (material, key, warnings) = (manifest.material, manifest.key, manifest.warnings);
+        (manifest.generator == GENERATOR).then_some(Self { material, files, key, digests, warnings })
     }
 
     /// Whether it wrote a file of this name; file systems that ignore case exist.

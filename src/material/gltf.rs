@@ -14,8 +14,10 @@ use crate::roughness::PerceptualRoughness;
 pub(crate) use folds::turn;
 pub use folds::{AnisotropyUse, Fate, Foldable, TextureUse};
 
-/// glTF's channel of the roughness.
+/// glTF's channels of occlusion, roughness and metal.
+const RED: usize = 0;
 const GREEN: usize = 1;
+const BLUE: usize = 2;
 
 /// Letters of a material's name that are shown and used for files.
 const LONGEST_NAME: usize = 80;
@@ -112,7 +114,8 @@ impl Surface {
     fn shares_maps_with(&self, other: &Surface) -> bool {
         let of = |surface: &Surface| {
             let inputs = surface.inputs.clone();
-            (inputs.normal, inputs.roughness, inputs.normal_scale, inputs.roughness_factor, inputs.wrap, surface.uv_set)
+            let (read, packed) = ((inputs.normal_scale, inputs.roughness_factor, inputs.wrap), inputs.occlusion);
+            (inputs.normal, inputs.roughness, read, packed, surface.uv_set)
         };
         self.uv_set.is_some() && of(self) == of(other)
     }
@@ -171,9 +174,18 @@ fn surface(pictures: &mut Pictures, index: usize) -> Result<Surface> {
         Some(texture) => {
             inputs.roughness_factor = Some(factor);
             let path = picture(texture, "metallic_roughness")?;
+            inputs.metal = Some(ChannelRef { path: path.clone(), channel: Some(BLUE) });
             RoughnessInput::Roughness(ChannelRef { path, channel: Some(GREEN) })
         }
     };
+    // It is packed where its layout is that of the other maps.
+    let uv_set = normal.or(width).map(|texture| texture.tex_coord);
+    let moved = |texture: &TextureInfo| texture.extensions.contains_key("KHR_texture_transform");
+    let occlusion = material.occlusion_texture.as_ref();
+    if let Some(texture) = occlusion.filter(|texture| uv_set == Some(texture.tex_coord) && !moved(texture)) {
+        let path = picture(texture, "occlusion")?;
+        inputs.occlusion = Some(ChannelRef { path, channel: Some(RED) });
+    }
     if let Some(texture) = normal.or(width) {
         inputs.wrap = wrap(pictures.reader, texture, &mut inputs.warnings)?;
     }
@@ -181,7 +193,7 @@ fn surface(pictures: &mut Pictures, index: usize) -> Result<Surface> {
         let warning = "KHR_materials_anisotropy is not read from glTF: the lobes are taken as round (--anisotropy)";
         inputs.warnings.push(warning.into());
     }
-    Ok(Surface { inputs, materials: vec![index], uv_set: normal.or(width).map(|t| t.tex_coord), embedded })
+    Ok(Surface { inputs, materials: vec![index], uv_set, embedded })
 }
 
 /// How the sampler of a texture continues it; warns where its two sides differ.

@@ -276,7 +276,12 @@ impl Builder<'_> {
     fn plain(&self, input: Option<&ChannelRef>, what: &str) -> Result<Option<(usize, usize)>> {
         let Some(input) = input else { return Ok(None) };
         let map = self.map_of(&input.path);
-        Ok(Some((map, self.channel_of(map, input, what)?)))
+        let channel = self.channel_of(map, input, what)?;
+        if !matches!(self.material.maps[map].roles[channel], Role::Other(_)) {
+            let found = format!("the {} channel used twice, once as {what}", colour(channel));
+            return Err(Error::invalid(&input.path, found, "one use of each channel"));
+        }
+        Ok(Some((map, channel)))
     }
 
     fn add_width(&mut self, input: &ChannelRef, role: Role) -> Result<()> {

@@ -14,44 +14,128 @@ pub(super) enum Kind {
     Normal(Option<NormalY>),
     Roughness,
     Smoothness,
-    /// A packed map with perceptual roughness in this channel.
-    Packed(usize),
-    /// A packed map with smoothness in this channel.
-    PackedSmoothness(usize),
+    /// Several of these in one picture.
+    Packed(Layout),
+    /// Unity's mask map if it has an alpha channel; any mask if not.
+    Mask,
     /// Normals in RGB, roughness in alpha.
     NormalRoughness,
     Anisotropy,
     Height,
-    /// Something that is not ours: colour, occlusion, metal alone, ...
-    Ignored,
+    Occlusion,
+    Metal,
+    /// Something that is not ours, in a word.
+    Ignored(&'static str),
+}
+
+/// Which channel of a packed map holds what.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Layout {
+    /// Of perceptual roughness, or of smoothness.
+    pub width: usize,
+    pub smooth: bool,
+    pub occlusion: Option<usize>,
+    pub metal: Option<usize>,
 }
 
 use Kind::*;
 
-const OPENGL: Kind = Normal(Some(NormalY::OpenGl));
-const DIRECTX: Kind = Normal(Some(NormalY::DirectX));
+const OCCLUSION_ROUGH_METAL: Kind = rough(1, Some(0), 2);
+const ROUGH_METAL: Kind = rough(1, None, 2);
+const METAL_ROUGH_OCCLUSION: Kind = rough(1, Some(2), 0);
+const ROUGH_METAL_OCCLUSION: Kind = rough(0, Some(2), 1);
+const METAL_SMOOTH: Kind = smooth(None, Some(0));
+const SPECULAR_GLOSS: Kind = smooth(None, None);
+/// Unity's mask map: metal, occlusion, detail mask, smoothness.
+pub(super) const MASK_MAP: Kind = smooth(Some(1), Some(0));
 
-/// Joined words and what they mean. Single letters count only as the last word.
+const fn rough(width: usize, occlusion: Option<usize>, metal: usize) -> Kind {
+    Packed(Layout { width, smooth: false, occlusion, metal: Some(metal) })
+}
+
+const fn smooth(occlusion: Option<usize>, metal: Option<usize>) -> Kind {
+    Packed(Layout { width: 3, smooth: true, occlusion, metal })
+}
+
+/// Joined words and what they mean. Single letters count only as the last word. What says which way green points may
+/// stand before or after the words of a normal map: see [`MARKS`].
 const WORDS: &[(&[&str], Kind)] = &[
     (&["normal", "normals", "normalmap", "nor", "nrm", "nrml", "norm", "n", "nm"], Normal(None)),
-    (&["normalgl", "normalogl", "normalopengl", "norgl", "nrmgl", "normgl"], OPENGL),
-    (&["normaldx", "normaldirectx", "nordx", "nrmdx", "normdx"], DIRECTX),
     (&["roughness", "roughnessmap", "rough", "rgh", "r"], Roughness),
-    (&["gloss", "glossiness", "smoothness", "smooth", "g"], Smoothness),
-    (&["orm", "arm", "aorm", "occlusionroughnessmetallic", "occlusionroughmetal", "aoroughmetal"], Packed(1)),
-    // Not "metal roughness": that is the roughness of something called metal.
-    (&["metallicroughness", "roughnessmetallic", "mr"], Packed(1)),
-    (&["mra", "mrao"], Packed(1)),
-    (&["rma", "rmo"], Packed(0)),
+    (&["gloss", "glossiness", "glossmap", "smoothness", "smoothnessmap", "smooth", "g"], Smoothness),
+    (&["orm", "arm", "aorm", "occlusionroughnessmetallic", "occlusionroughmetal"], OCCLUSION_ROUGH_METAL),
+    (&["aoroughmetal", "aoroughnessmetallic", "occlusionroughnessmetalness"], OCCLUSION_ROUGH_METAL),
+    (&["ambientocclusionroughnessmetallic", "ambientocclusionroughnessmetalness"], OCCLUSION_ROUGH_METAL),
+    (&["metallicroughness", "metalnessroughness", "roughnessmetallic", "mr"], ROUGH_METAL),
+    (&["mra", "mrao", "mro"], METAL_ROUGH_OCCLUSION),
+    (&["rma", "rmao", "rmo"], ROUGH_METAL_OCCLUSION),
     (&["normalroughness", "nrmrgh", "nrmrough", "normrough"], NormalRoughness),
-    (&["metallicsmoothness", "metallicgloss", "maskmap"], PackedSmoothness(3)),
+    (&["metallicsmoothness", "metallicgloss", "metalsmoothness"], METAL_SMOOTH),
+    (&["specularglossiness", "specularsmoothness", "specgloss"], SPECULAR_GLOSS),
+    (&["maskmap", "mads"], MASK_MAP),
+    (&["mask"], Mask),
     (&["anisotropy", "aniso", "anisotropic"], Anisotropy),
-    (&["height", "heightmap", "displacement", "disp", "h"], Height),
-    (&["basecolor", "basecolour", "albedo", "diffuse", "diff", "color", "colour", "col", "alb"], Ignored),
-    (&["albedoheight", "albht", "metallic", "metalness", "metal", "mtl", "m"], Ignored),
-    (&["ao", "ambientocclusion", "occlusion", "occ", "opacity", "alpha", "mask", "emissive", "emission"], Ignored),
-    (&["specular", "spec", "bump", "depth", "transmission", "subsurface", "sss", "cavity"], Ignored),
+    (&["height", "heightmap", "displacement", "displacementmap", "disp", "hgt", "h"], Height),
+    (&["ao", "ambientocclusion", "occlusion", "occlusionmap", "occ", "mixedao", "aomap"], Occlusion),
+    (&["metallic", "metalness", "metal", "mtl", "metallicmap", "m"], Metal),
+    (&["basecolor", "basecolour", "basecol", "albedo", "diffuse", "diff", "color", "colour", "col"], Ignored("colour")),
+    (&["alb", "bc", "albedotransparency", "basecolormap", "albedomap", "diffusemap"], Ignored("colour")),
+    (&["albedoheight", "albht"], Ignored("colour and height")),
+    (&["opacity", "alpha", "transparency"], Ignored("opacity")),
+    (&["emissive", "emission"], Ignored("emission")),
+    (&["specular", "spec"], Ignored("specular colour")),
+    (&["bump"], Ignored("bump")),
+    (&["depth"], Ignored("depth")),
+    (&["transmission"], Ignored("transmission")),
+    (&["subsurface", "sss"], Ignored("subsurface scattering")),
+    (&["cavity"], Ignored("cavity")),
 ];
+
+/// Words that stand for [`ROUGH_METAL`] only where nothing but a separator is before them, and none between them:
+/// `rusty_metal_roughness` is the roughness of something called metal.
+const GLUED: &[&str] = &["metalrough", "metalroughness"];
+
+/// What says which way green points.
+const MARKS: [(&[&str], NormalY); 2] =
+    [(&["gl", "ogl", "opengl"], NormalY::OpenGl), (&["dx", "d3d", "directx"], NormalY::DirectX)];
+
+fn kind_of(joined: &str) -> Option<Kind> {
+    let exact = |joined: &str| WORDS.iter().find(|(names, _)| names.contains(&joined)).map(|(_, kind)| *kind);
+    let marked = |(marks, y): &(&[&str], NormalY)| {
+        marks.iter().find_map(|mark| {
+            let rest = joined.strip_suffix(mark).or_else(|| joined.strip_prefix(mark))?;
+            (rest.len() > 1 && exact(rest) == Some(Normal(None))).then_some(Normal(Some(*y)))
+        })
+    };
+    exact(joined).or_else(|| MARKS.iter().find_map(marked))
+}
+
+/// A tile of a texture that is cut into several files.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Tile {
+    /// By UDIM's count: 1001 + u + 10 v, from zero.
+    pub number: u32,
+    /// As the name has it: `1001`, or Mudbox's `u1_v1`.
+    pub text: String,
+}
+
+/// The name before the tile at its end, after a point or an underscore: `1001` to `1999`, or `u1_v1`, which counts from 1.
+pub(super) fn tile(stem: &str) -> Option<(&str, Tile)> {
+    let count = |digits: &str| digits.parse::<u32>().ok().filter(|_| digits.bytes().all(|b| b.is_ascii_digit()));
+    let after = |text: &str, letter: char| count(text.strip_prefix([letter, letter.to_ascii_uppercase()])?);
+    let (rest, last) = stem.rsplit_once(['.', '_'])?;
+    let (rest, number) = match count(last) {
+        Some(number) => (rest, (last.len() == 4).then_some(number)?),
+        None => {
+            let v = after(last, 'v').filter(|v| (1..=100).contains(v))?;
+            let (rest, u) = rest.rsplit_once(['.', '_'])?;
+            let u = after(u, 'u').filter(|u| (1..=10).contains(u))?;
+            (rest, 990 + u + 10 * v)
+        }
+    };
+    let real = (1001..=1999).contains(&number) && !rest.is_empty();
+    real.then(|| (rest, Tile { number, text: stem[rest.len() + 1..].to_owned() }))
+}
 
 /// Extensions that are read.
 pub(super) const EXTENSIONS: &[&str] = &["png", "jpg", "jpeg", "tif", "tiff", "tga", "bmp", "webp", "hdr", "exr"];
@@ -90,34 +174,40 @@ fn is_weak(word: &str, after: &[(String, std::ops::Range<usize>)]) -> bool {
 }
 
 /// What a name means.
-#[derive(Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub(super) struct Meaning {
     pub kind: Kind,
     /// Channel named by a trailing `in_g` or the like.
     pub channel: Option<usize>,
     /// The rest of the name, which the maps of one material have in common.
     pub material: String,
+    /// What decided, as it stands in the name.
+    pub word: String,
+    pub tile: Option<Tile>,
 }
 
 pub(super) fn meaning_of(stem: &str) -> Option<Meaning> {
+    let (stem, tile) = tile(stem).map_or((stem, None), |(stem, tile)| (stem, Some(tile)));
     let words = words(stem);
     let mut best = None;
     for start in 0..words.len() {
         for end in start + 1..=(start + 4).min(words.len()) {
             let joined: String = words[start..end].iter().map(|(word, _)| word.as_str()).collect();
             let single = joined.len() == 1;
-            let Some((_, kind)) = WORDS.iter().find(|(names, _)| names.contains(&joined.as_str())) else { continue };
+            let glued = || GLUED.contains(&joined.as_str()) && stands_alone(&words, start..end);
+            let Some(kind) = kind_of(&joined).or_else(|| glued().then_some(ROUGH_METAL)) else { continue };
             // What ends last says what the map is; before it stands the material's own name, which may hold such
             // words too. Of those that end together, the longest. Words that qualify as often as they name count only
             // if there is no other.
             let rank = (!is_weak(&joined, &words[end..]), end, end - start);
             let last = end == words.len() && start > 0 && words[start - 1].0 != "in";
             if (!single || last || words.len() == 1) && best.as_ref().is_none_or(|(old, _, _)| rank >= *old) {
-                best = Some((rank, start..end, *kind));
+                best = Some((rank, start..end, kind));
             }
         }
     }
     let (_, run, kind) = best?;
+    let word = stem[words[run.start].1.start..words[run.end - 1].1.end].to_owned();
     let (mut end, mut channel) = (run.end, None);
     if let [(word, _), (letter, _), ..] = &words[end..]
         && word == "in"
@@ -129,7 +219,13 @@ pub(super) fn meaning_of(stem: &str) -> Option<Meaning> {
     let (head, tail) = (&stem[..words[run.start].1.start], &stem[words[end - 1].1.end..]);
     let (head, tail) = (head.trim_matches(separator), tail.trim_matches(separator));
     let joint = if head.is_empty() || tail.is_empty() { "" } else { "_" };
-    Some(Meaning { kind, channel, material: format!("{head}{joint}{tail}") })
+    Some(Meaning { kind, channel, material: format!("{head}{joint}{tail}"), word, tile })
+}
+
+/// Whether nothing separates these words, and something separates them from the one before; a lone one if there is none.
+fn stands_alone(words: &[(String, std::ops::Range<usize>)], run: std::ops::Range<usize>) -> bool {
+    let meets = |i: usize| words[i - 1].1.end == words[i].1.start;
+    (run.start + 1..run.end).all(meets) && if run.start > 0 { !meets(run.start) } else { run.len() == 1 }
 }
 
 /// What the name of a normal map says about its convention.
@@ -155,8 +251,16 @@ pub(super) fn common_name(material: &str) -> Vec<String> {
 mod tests {
     use super::*;
 
+    const OPENGL: Kind = Normal(Some(NormalY::OpenGl));
+    const DIRECTX: Kind = Normal(Some(NormalY::DirectX));
+
     #[test]
     fn names_seen_in_the_wild() {
+        let of = |stem: &str| {
+            let meaning = meaning_of(stem)?;
+            assert!(stem.contains(&meaning.word), "{stem}: {}", meaning.word);
+            Some((meaning.kind, meaning.channel, meaning.material))
+        };
         let cases = [
             ("normal", Normal(None), ""),
             ("brown_mud_leaves_01_Nor_8k", Normal(None), "brown_mud_leaves_01_8k"),
@@ -167,37 +271,102 @@ mod tests {
             ("Metal009_2K_Roughness", Roughness, "Metal009_2K"),
             ("Paper001_1K-JPG_NormalGL", OPENGL, "Paper001_1K-JPG"),
             ("tea_set_01_nor_gl_1k", OPENGL, "tea_set_01_1k"),
-            ("tea_set_01_arm_1k", Packed(1), "tea_set_01_1k"),
+            ("tea_set_01_arm_1k", OCCLUSION_ROUGH_METAL, "tea_set_01_1k"),
             (
                 "FlightHelmet_Materials_RubberWoodMat_OcclusionRoughMetal",
-                Packed(1),
+                OCCLUSION_ROUGH_METAL,
                 "FlightHelmet_Materials_RubberWoodMat",
             ),
             ("ground037_nrm_rgh", NormalRoughness, "ground037"),
-            ("albedo_height", Ignored, ""),
+            ("albedo_height", Ignored("colour and height"), ""),
             ("wall_n", Normal(None), "wall"),
-            ("n_wall_color", Ignored, "n_wall"),
+            ("n_wall_color", Ignored("colour"), "n_wall"),
             ("rusty_metal_roughness", Roughness, "rusty_metal"),
-            ("rock_metallicRoughness", Packed(1), "rock"),
-            ("rust_RMA", Packed(0), "rust"),
+            ("rock_metallicRoughness", ROUGH_METAL, "rock"),
+            ("rust_RMA", ROUGH_METAL_OCCLUSION, "rust"),
             ("normal_dx", DIRECTX, ""),
             ("rough_wood_nor_gl_1k", OPENGL, "rough_wood_1k"),
             ("rough_wood_rough_1k", Roughness, "rough_wood_1k"),
-            ("rough_wood_diff_1k", Ignored, "rough_wood_1k"),
-            ("SmoothConcrete_Color", Ignored, "SmoothConcrete"),
+            ("rough_wood_diff_1k", Ignored("colour"), "rough_wood_1k"),
+            ("SmoothConcrete_Color", Ignored("colour"), "SmoothConcrete"),
             ("T_Height_Marker_N", Normal(None), "T_Height_Marker"),
-            ("wall_MetallicSmoothness", PackedSmoothness(3), "wall"),
+            ("wall_MetallicSmoothness", METAL_SMOOTH, "wall"),
             ("wall_normal_metal", Normal(None), "wall_metal"),
             ("rock_normal_alpha", Normal(None), "rock_alpha"),
             ("Normal_Rough_Stone", Normal(None), "Rough_Stone"),
             ("wall_rough_1k", Roughness, "wall_1k"),
+            ("Wall_Normal_GL", OPENGL, "Wall"),
+            ("wall_NormalOGL", OPENGL, "wall"),
+            ("brick-normal-ogl", OPENGL, "brick"),
+            ("Wall_DirectX_Normal", DIRECTX, "Wall"),
+            ("wall_nm_d3d", DIRECTX, "wall"),
+            ("wall_occlusionroughnessmetallic", OCCLUSION_ROUGH_METAL, "wall"),
+            ("T_Wall_MRAO", METAL_ROUGH_OCCLUSION, "T_Wall"),
+            ("wall_rmo", ROUGH_METAL_OCCLUSION, "wall"),
+            ("wall_MADS", MASK_MAP, "wall"),
+            ("Wall_MaskMap", MASK_MAP, "Wall"),
+            ("wall_mask", Mask, "wall"),
+            ("wall_normal_mask", Normal(None), "wall_mask"),
+            ("car_SpecularGlossiness", SPECULAR_GLOSS, "car"),
+            ("hull_MetalRough", ROUGH_METAL, "hull"),
+            ("metalroughness", ROUGH_METAL, ""),
+            ("RustyMetalRoughness", Roughness, "RustyMetal"),
+            ("rusty_metal_rough", Roughness, "rusty_metal"),
+            ("MetalRoughness", Roughness, "Metal"),
+            ("wall_Mixed_AO", Occlusion, "wall"),
+            ("wall_ambient_occlusion", Occlusion, "wall"),
+            ("rusty_metal_metalness", Metal, "rusty_metal"),
+            ("wall_mtl", Metal, "wall"),
+            ("Wall_AlbedoTransparency", Ignored("colour"), "Wall"),
         ];
         for (stem, kind, material) in cases {
-            let meaning = Meaning { kind, channel: None, material: material.into() };
-            assert_eq!(meaning_of(stem), Some(meaning), "{stem}");
+            assert_eq!(of(stem), Some((kind, None, material.into())), "{stem}");
         }
-        let meaning = Meaning { kind: Roughness, channel: Some(1), material: "veneer_1k".into() };
-        assert_eq!(meaning_of("veneer_rough_in_g_1k"), Some(meaning));
+        assert_eq!(of("veneer_rough_in_g_1k"), Some((Roughness, Some(1), "veneer_1k".into())));
         assert_eq!(meaning_of("readme_2024"), None);
+    }
+
+    #[test]
+    fn every_name_of_the_lists_users_gave_means_something() {
+        let normal = "normal nor nrm nrml norm n nm normalgl normal_gl nor_gl normal_ogl normalopengl normaldx nor_dx \
+                      normal_dx normaldirectx";
+        let width = "roughness rough rgh r gloss glossiness smoothness smooth g";
+        let packed =
+            "orm occlusionroughnessmetallic arm rma mra mrao metallicroughness metalrough mr maskmap mask mads rmo";
+        let others = "metal metallic metalness mtl m ao ambientocclusion occlusion occ height disp displacement h";
+        for name in [normal, width, packed, others].into_iter().flat_map(str::split_whitespace) {
+            for stem in [format!("wall_{name}"), format!("Wall_{}", name.to_uppercase())] {
+                let meaning = meaning_of(&stem).unwrap_or_else(|| panic!("{stem}"));
+                assert!(meaning.material.eq_ignore_ascii_case("wall"), "{stem}: {meaning:?}");
+                assert!(!matches!(meaning.kind, Ignored(_)), "{stem}: {meaning:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn tiles_stand_at_the_end() {
+        let tiled =
+            |stem: &str| meaning_of(stem).map(|m| (m.kind, m.material, m.tile.map(|tile| (tile.number, tile.text))));
+        let is = |kind, number, text: &str| Some((kind, "wall".to_owned(), Some((number, text.to_owned()))));
+        assert_eq!(tiled("wall_normal.1001"), is(Normal(None), 1001, "1001"));
+        assert_eq!(tiled("wall_n_1042"), is(Normal(None), 1042, "1042"));
+        assert_eq!(tiled("wall_ORM_u2_v3"), is(OCCLUSION_ROUGH_METAL, 1022, "u2_v3"));
+        assert_eq!(tiled("wall_ORM.U10_V1"), is(OCCLUSION_ROUGH_METAL, 1010, "U10_V1"));
+        for stem in [
+            "wall_normal_2048",
+            "wall_normal_1000",
+            "wall_normal_10010",
+            "Metal1001_normal",
+            "wall_1001_normal",
+            "wall_normal1001",
+            "wall_normal-1001",
+            "wall_normal_u0_v1",
+            "wall_normal_u11_v1",
+            "wall_normal_v1",
+            "normal_u1v1",
+        ] {
+            assert_eq!(meaning_of(stem).unwrap().tile, None, "{stem}");
+        }
+        assert_eq!((tile("1001"), tile(".1001"), tile("_u1_v1")), (None, None, None));
     }
 }

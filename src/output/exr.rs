@@ -4,7 +4,7 @@ use std::io::{Seek, Write};
 
 use crate::codec::{Channel, Depth, write_exr};
 use crate::fold::Chain;
-use crate::material::{FurtherMap, FurtherView, LevelView, Material, Role, Texels, lobe_channels};
+use crate::material::{FurtherMap, FurtherView, LevelView, Material, NormalY, Role, Texels, lobe_channels};
 use crate::ndf::{Axes, Form, RoughnessTensor};
 
 /// Level `k` of a material, to be packed.
@@ -111,11 +111,16 @@ pub const MOMENT_CHANNELS: [&str; 6] = ["b0_h", "b1_dhds", "b2_dhdt", "b3_dhds2"
 
 /// Raw LEAN moments of all levels, 32 bit: a variance is the difference of two of them, which half floats lose.
 ///
-/// As `maketx` does, slopes are `-n.xy / n.z` of the normal **as stored**: for a DirectX map dh/dt runs down the rows,
+/// As `maketx` does, slopes are `-n.xy / n.z` of the normal **as written**: for a DirectX map dh/dt runs down the rows,
 /// for an OpenGL map up.
-pub fn write_moments(out: impl Write + Seek, material: &Material, chain: &Chain) -> std::io::Result<()> {
+pub fn write_moments(
+    out: impl Write + Seek,
+    material: &Material,
+    chain: &Chain,
+    normal_y: NormalY,
+) -> std::io::Result<()> {
     let channels = MOMENT_CHANNELS.map(|name| Channel { name: name.into(), depth: Depth::Float });
-    let sign = material.normal_y.sign();
+    let sign = normal_y.sign();
     write_exr(out, &channels, material.size, &|level, channel, y, x, row| {
         let n = row.len();
         if channel == 0 {

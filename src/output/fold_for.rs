@@ -15,6 +15,12 @@ pub fn fold_for(material: &Material, options: &Options, extras: &[Extra], done: 
     chain_telling(&WithMore { material, albedo: extras.contains(&Extra::Energy) }, &options, done)
 }
 
+/// Perceptual roughness of two widths: that of their geometric mean.
+pub fn geometric_roughness(tensor: RoughnessTensor) -> f32 {
+    // The determinant is alpha_x^2 alpha_y^2; roughness is the root of alpha.
+    tensor.determinant().max(0.0).sqrt().sqrt().sqrt()
+}
+
 /// The channel of [`fold_for`]'s chain that holds the plain average of the perceptual roughness.
 pub fn plain_roughness(level: &Level) -> usize {
     level.extras.dim().0 - 1
@@ -69,17 +75,16 @@ impl Texels for WithMore<'_> {
         if index < self.material.extras() {
             return self.material.extra(index, y, x, out);
         }
+        let plain = index + 1 == self.extras();
         self.material.perceptual(y, x, out);
-        if index + 1 == self.extras() {
-            return;
-        }
         if self.material.is_anisotropic() {
             let perceptual = out.to_vec();
             let [mut xx, mut xy, mut yy] = [perceptual.clone(), perceptual.clone(), perceptual.clone()];
             self.material.tensors(y, x, &perceptual, [&mut xx, &mut xy, &mut yy]);
             let tensor = |i| RoughnessTensor { xx: xx[i], xy: xy[i], yy: yy[i] };
-            out.iter_mut().enumerate().for_each(|(i, out)| *out = albedo(tensor(i)));
-        } else {
+            let of = if plain { geometric_roughness } else { albedo };
+            out.iter_mut().enumerate().for_each(|(i, out)| *out = of(tensor(i)));
+        } else if !plain {
             out.iter_mut().for_each(|r| *r = average_albedo(Alpha(*r * *r)) as f32);
         }
     }

@@ -2,6 +2,7 @@
 
 use std::fmt::Write;
 use std::path::Path;
+use std::sync::OnceLock;
 
 use sha2::{Digest, Sha256};
 
@@ -11,7 +12,7 @@ use crate::fold::Options;
 use crate::material::{Earlier, Inputs, RoughnessInput};
 use crate::ndf::Form;
 
-/// A number for all that decides on the files of a build: version, options, inputs as given and their content. `digest` is
+/// A number for all that decides on the files of a build: the program, options, inputs as given and their content. `digest` is
 /// that of a file.
 ///
 /// # Errors
@@ -49,7 +50,7 @@ pub fn key(
         force: _,
         key: _,
     } = request;
-    let mut text = format!("{} {:?}", env!("CARGO_PKG_VERSION"), inputs);
+    let mut text = format!("{} {:?}", program(), inputs);
     write!(
         text,
         "\n{} {form:?} {lobes} {shared_normal} {strength} {at_least_average} {min_alpha:?} {max_alpha:?} {slope_moments} \
@@ -70,9 +71,16 @@ pub fn key(
     Ok(sha256(text.as_bytes()))
 }
 
-/// Whether the folder holds all files of the build of this key, byte for byte.
-pub fn is_fresh(folder: &Path, key: &str) -> bool {
-    Earlier::read(folder).is_some_and(|earlier| {
+/// The program that runs, by content where that can be told: versions under work share a number.
+fn program() -> &'static str {
+    static PROGRAM: OnceLock<String> = OnceLock::new();
+    let digest = || std::env::current_exe().ok().and_then(|path| file_digest(&path).ok());
+    PROGRAM.get_or_init(|| digest().unwrap_or_else(|| env!("CARGO_PKG_VERSION").to_owned()))
+}
+
+/// The build of this key, if the folder holds all its files, byte for byte.
+pub fn fresh(folder: &Path, key: &str) -> Option<Earlier> {
+    Earlier::read(folder).filter(|earlier| {
         let is_there = |(name, digest): (&String, &String)| {
             std::fs::File::open(folder.join(name)).is_ok_and(|file| sha256_of(file).is_ok_and(|found| found == *digest))
         };

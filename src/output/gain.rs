@@ -1,11 +1,13 @@
 //! Whether folding was worth it.
 
+use glam::Vec2;
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::fold_for::plain_roughness;
+use super::fold_for::{geometric_roughness, plain_roughness};
 use crate::fold::{Chain, Level};
-use crate::ndf::Lobe;
+use crate::moments;
+use crate::ndf::{Lobe, Lobes, RoughnessTensor};
 
 /// How far a folded chain is from plain mips.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -35,7 +37,7 @@ impl Gain {
 const OUTLIERS: usize = 100;
 
 /// Compares a chain of [`super::fold_for`] with what plain mips of the roughness would be. Of two widths the geometric mean
-/// counts, and a mixture by the mean of its lobes.
+/// counts, and a mixture is taken for one lobe as wide as all of it.
 pub fn gain(chain: &Chain) -> Gain {
     let levels: Vec<f32> = chain.levels.par_iter().map(difference).collect();
     let most = levels.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1));
@@ -50,7 +52,7 @@ fn difference(level: &Level) -> f32 {
     let mut counts = vec![0usize; STEPS + 1];
     for y in 0..size.height {
         for x in 0..size.width {
-            let folded: f32 = lobes.mixture(x, y).map(|(lobe, weight)| weight * perceptual(&lobe)).sum();
+            let folded = perceptual(lobes, x, y);
             let difference = (folded - level.extras[(channel, y, x)]).abs().min(1.0);
             counts[(difference * STEPS as f32).ceil() as usize] += 1;
         }
@@ -65,7 +67,14 @@ fn difference(level: &Level) -> f32 {
     0.0
 }
 
-fn perceptual(lobe: &Lobe) -> f32 {
-    // The determinant is alpha_x^2 alpha_y^2; roughness is the root of alpha.
-    lobe.roughness.determinant().max(0.0).sqrt().sqrt().sqrt()
+/// Perceptual roughness of the lobe that is as wide as all of a texel's.
+fn perceptual(lobes: &Lobes, x: usize, y: usize) -> f32 {
+    let slope = |lobe: &Lobe| moments::slope(lobe.normal);
+    let mean: Vec2 = lobes.mixture(x, y).map(|(lobe, weight)| weight * slope(&lobe)).sum();
+    let tensors = lobes.mixture(x, y).map(|(lobe, weight)| {
+        let (d, r) = (slope(&lobe) - mean, lobe.roughness);
+        [r.xx + d.x * d.x, r.xy + d.x * d.y, r.yy + d.y * d.y].map(|v| weight * v)
+    });
+    let [xx, xy, yy] = tensors.fold([0.0; 3], |sum, part| [0, 1, 2].map(|i| sum[i] + part[i]));
+    geometric_roughness(RoughnessTensor { xx, xy, yy })
 }

@@ -138,7 +138,7 @@ impl Manifest {
             pictures: request.pictures.clone(),
             asides: plan.asides.iter().map(|aside| aside.name.clone()).collect(),
             notes: material.notes.clone(),
-            warnings: material.warnings.clone(),
+            warnings: material.warnings.iter().chain(&plan.warnings).cloned().collect(),
             key: request.key.clone(),
             sha256,
         }
@@ -268,7 +268,7 @@ fn layer_level_0(material: &Material, plan: &Plan, layer: Layer, encoding: &str)
     match layer {
         Layer::Sheet(i) => match plan.sheets[i].map {
             Some(map) => level_0(&material.maps[map], encoding),
-            None => "the inputs' own pixels, packed anew",
+            None => "the inputs, packed anew",
         },
         Layer::Further(_) => "the first lobe, of weight 0",
         Layer::Extra(Extra::Curvature) => "the mesh",

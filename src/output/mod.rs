@@ -19,14 +19,14 @@ mod write;
 
 pub use crate::material::{MANIFEST, SCHEMA};
 pub use fold_for::fold_for;
-pub use fresh::{file_digest, is_fresh, key};
+pub use fresh::{file_digest, fresh, key};
 pub use gain::{Gain, gain};
 pub use layer::{Layer, Rows};
 pub use manifest::{Input, Manifest, OutputMap};
 pub use plan::{Content, Format, Output, Plan, Request, safe_name};
 pub use sheet::{Sheet, Source};
 use stage::stale;
-pub use stage::{Stage, may_build, may_write};
+pub use stage::{FolderLock, Stage, may_build, may_write};
 pub use texels::{read_texels, write_texels};
 pub use texture::{texel_format, texture_of};
 pub use vertices::{vertices_name, write_vertices};

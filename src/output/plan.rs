@@ -172,6 +172,8 @@ pub struct Plan {
     pub outputs: Vec<Output>,
     /// Texts that the preset wants beside them.
     pub asides: Vec<Aside>,
+    /// What of the material is not in them.
+    pub warnings: Vec<String>,
 }
 
 impl Plan {
@@ -224,7 +226,11 @@ impl Plan {
         for (index, aside) in asides.iter().enumerate() {
             outputs.push(Output { name: aside.name.clone(), content: Content::Aside { index } });
         }
-        Self { sheets, outputs, asides }
+        let warnings = match request.preset {
+            Some(_) => super::sheet::left_out(material, &sheets),
+            None => Vec::new(),
+        };
+        Self { sheets, outputs, asides, warnings }
     }
 
     /// The rows of one of its maps.
@@ -271,7 +277,7 @@ impl Plan {
 fn wrong_sides(size: Size, format: Format, request: &Request) -> Option<(String, String)> {
     let blocks = format.is_texture() && request.compress != Compress::None;
     let engine = request.preset.map_or(Sides::Any, |preset| preset.sides);
-    let sides = if blocks && engine == Sides::Any { Sides::MultipleOf4 } else { engine };
+    let sides = if engine.holds(size) && blocks { Sides::MultipleOf4 } else { engine };
     if sides.holds(size) {
         return None;
     }
@@ -292,11 +298,15 @@ fn sheets(material: &Material, request: &Request) -> Vec<Sheet> {
 
 /// What the preset says beside the maps.
 fn asides(material: &Material, sheets: &[Sheet], outputs: &[Output], request: &Request, preset: &Preset) -> Vec<Aside> {
+    // They tell how to load files of the preset's own container.
+    if !request.formats.contains(&preset.format) {
+        return Vec::new();
+    }
     let mut maps: Vec<(Layer, Vec<String>)> = Vec::new();
     for output in outputs {
         let layer = match output.content {
-            Content::Level { layer, .. } if request.formats[0] == Format::Png => layer,
-            Content::Levels { layer, format } if request.formats[0] == format => layer,
+            Content::Level { layer, .. } if preset.format == Format::Png => layer,
+            Content::Levels { layer, format } if preset.format == format => layer,
             _ => continue,
         };
         match maps.iter_mut().find(|(known, _)| *known == layer) {
@@ -326,7 +336,8 @@ pub fn png_name(stem: &str, level: usize) -> String {
 pub fn safe_name(name: &str) -> String {
     let safe: String = name.chars().map(|c| if c.is_alphanumeric() || "-_.".contains(c) { c } else { '_' }).collect();
     // Suffixes and endings come after it, and file systems end at 255 bytes.
-    let safe: String = safe.chars().take(120).collect();
+    let end = safe.char_indices().map(|(i, c)| i + c.len_utf8()).take_while(|end| *end <= 120).last().unwrap_or(0);
+    let safe = safe[..end].to_owned();
     if safe.trim_matches('.').is_empty() { "material".into() } else { safe }
 }
 

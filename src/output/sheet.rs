@@ -3,7 +3,7 @@
 use super::exr::role_name;
 use super::plan::safe_name;
 use super::preset::{Preset, Slot};
-use crate::material::{Encoding, LevelView, MapFile, Material, NormalY, Role};
+use crate::material::{Encoding, LevelView, MapFile, Material, NormalY, Origin, Role, colour};
 
 /// What a channel of an output map shows.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -181,28 +181,60 @@ pub fn arrange(material: &Material, preset: &Preset) -> Vec<Sheet> {
     sheets
 }
 
+/// Channels of the material's maps that no sheet shows, in words: a map and the colours that are left out of it.
+pub fn left_out(material: &Material, sheets: &[Sheet]) -> Vec<String> {
+    let shown = |map: usize, channel: usize| {
+        sheets.iter().flat_map(|sheet| &sheet.channels).any(
+            |(_, source)| matches!(source, Source::Channel { map: m, channel: c, .. } if (*m, *c) == (map, channel)),
+        )
+    };
+    let maps = material.maps.iter().enumerate().filter(|(_, file)| matches!(file.origin, Origin::File { .. }));
+    let words = maps.filter_map(|(map, file)| {
+        // Gray stored as colour is the same three times.
+        let lost = |c: &usize| !shown(map, *c) && matches!(file.roles[*c], Role::Other(_));
+        let lost: Vec<_> = (0..file.roles.len()).filter(lost).map(colour).collect();
+        (!lost.is_empty()).then(|| {
+            format!("{}: {} left out, for the preset's maps have no place for it; --occlusion and --metal name what is packed",
+                file.stem, lost.join(" and "))
+        })
+    });
+    words.collect()
+}
+
 fn normal_sheet(material: &Material, map: usize, preset: &Preset, prefix: &str) -> Sheet {
     let file = &material.maps[map];
     let flipped = material.normal_y != preset.normal_y;
     let own = Sheet::own(material, map);
+    let source = |channel: usize| Source::Channel { map, channel, inverted: false };
     let mut sources = Vec::new();
-    for (channel, (_, source)) in own.channels.iter().enumerate() {
-        match (file.roles[channel], source) {
-            (Role::Roughness | Role::Smoothness, _) if preset.packed.is_some() => {}
-            (Role::NormalY, Source::Channel { map, channel, .. }) => {
-                sources.push(Source::Channel { map: *map, channel: *channel, inverted: flipped });
-            }
-            (_, source) => sources.push(*source),
-        }
+    let normal = |role| file.channel(role).expect("a normal map");
+    sources.push(source(normal(Role::NormalX)));
+    sources.push(Source::Channel { map, channel: normal(Role::NormalY), inverted: flipped });
+    match file.channel(Role::NormalZ) {
+        Some(z) => sources.push(source(z)),
+        None if preset.normal_z || file.roles.len() > 2 => sources.push(Source::NormalZ { map }),
+        None => {}
     }
-    if preset.normal_z && file.channel(Role::NormalZ).is_none() && sources.len() == 2 {
-        sources.push(Source::NormalZ { map });
-    }
+    // One more channel, which is not packed elsewhere, has room in alpha.
+    let kept = |role: &Role| match role {
+        Role::Roughness | Role::Smoothness => preset.packed.is_none(),
+        Role::Other(_) => true,
+        _ => false,
+    };
+    let packed =
+        |channel| preset.packed.is_some() && [material.occlusion, material.metal].contains(&Some((map, channel)));
+    let alpha = (0..file.roles.len()).find(|c| kept(&file.roles[*c]) && !packed(*c));
+    sources.extend(alpha.map(source));
     if own.channels.iter().map(|(_, source)| *source).eq(sources.iter().copied()) {
         return own;
     }
     // Its own name may say which way its green points.
     let way = if preset.normal_y == NormalY::OpenGl { "gl" } else { "dx" };
-    let stem = if flipped { format!("{prefix}_normal_{way}") } else { own.stem };
+    let named = flipped || sources.len() < own.channels.len();
+    let stem = match (flipped, named) {
+        (true, _) => format!("{prefix}_normal_{way}"),
+        (false, true) => format!("{prefix}_normal"),
+        (false, false) => own.stem,
+    };
     Sheet::arranged(stem, &sources)
 }

@@ -1,16 +1,20 @@
 //! Files of which none appears before all are written.
 
 use std::collections::BTreeMap;
-use std::fs;
+use std::fs::{self, TryLockError};
 use std::io::{BufWriter, Seek, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
+use std::time::{Duration, Instant};
 
 use tempfile::NamedTempFile;
 
 use super::fresh::sha256_of;
 use crate::error::{Error, Result};
-use crate::material::{Earlier, MANIFEST};
+use crate::material::{Earlier, JOURNAL, MANIFEST};
+
+/// How names of files begin that have not got their own yet.
+const TEMPORARY: &str = ".mipfold-";
 
 /// Files written beside their place under a temporary name. [`Stage::commit`] renames all of them; dropping the stage
 /// before that removes them, and the folders that were made for them.
@@ -21,6 +25,35 @@ pub struct Stage {
     files: Mutex<Vec<(NamedTempFile, PathBuf)>>,
     /// SHA-256 of each file by its name.
     digests: Mutex<BTreeMap<String, String>>,
+}
+
+/// While it lives no other build renames files in the folder. Only where the system lets folders be locked; elsewhere the
+/// last build's names win, one by one.
+pub struct FolderLock {
+    _folder: fs::File,
+}
+
+/// How long another build may keep a folder: giving names takes a blink.
+const LONGEST_LOCK: Duration = Duration::from_secs(20);
+
+impl FolderLock {
+    fn new(path: &Path) -> Result<Option<Self>> {
+        let Ok(folder) = fs::File::open(path) else { return Ok(None) };
+        let start = Instant::now();
+        loop {
+            match folder.try_lock() {
+                Ok(()) => return Ok(Some(Self { _folder: folder })),
+                Err(TryLockError::Error(_)) => return Ok(None),
+                Err(TryLockError::WouldBlock) if start.elapsed() < LONGEST_LOCK => {
+                    std::thread::sleep(Duration::from_millis(20));
+                }
+                Err(TryLockError::WouldBlock) => {
+                    let found = format!("a folder that another program has kept locked for {LONGEST_LOCK:?}");
+                    return Err(Error::invalid(path, found, "one that is free; wait, or choose another -o"));
+                }
+            }
+        }
+    }
 }
 
 impl Stage {
@@ -47,7 +80,7 @@ impl Stage {
             #[cfg(unix)]
             // Outputs are no secrets: as open as the user's umask has it.
             builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-            let file = builder.prefix(".mipfold-").tempfile_in(&self.folder)?;
+            let file = builder.prefix(TEMPORARY).tempfile_in(&self.folder)?;
             let mut out = BufWriter::with_capacity(1 << 18, file.as_file());
             fill(&mut out)?;
             out.flush()?;
@@ -67,12 +100,22 @@ impl Stage {
         self.digests.lock().expect("no writer panics").clone()
     }
 
-    /// Keeps other builds from renaming files in this folder at the same time, until it is dropped. Only where the system
-    /// lets folders be locked; elsewhere the last build's names win, one by one.
-    pub fn lock(&self) -> Option<fs::File> {
-        let folder = fs::File::open(&self.folder).ok()?;
-        folder.lock().ok()?;
-        Some(folder)
+    /// Keeps other builds from renaming files in this folder at the same time. What builds that were interrupted left
+    /// there more than a day ago is removed.
+    ///
+    /// # Errors
+    /// Another program that does not let go of the folder.
+    pub fn lock(&self) -> Result<Option<FolderLock>> {
+        let lock = FolderLock::new(&self.folder)?;
+        for file in fs::read_dir(&self.folder).into_iter().flatten().flatten() {
+            let name = file.file_name();
+            let ours = name.to_string_lossy().starts_with(TEMPORARY) && name != JOURNAL;
+            let age = file.metadata().and_then(|about| about.modified()).ok().and_then(|time| time.elapsed().ok());
+            if ours && age.is_some_and(|age| age > Duration::from_secs(24 * 60 * 60)) {
+                fs::remove_file(file.path()).ok();
+            }
+        }
+        Ok(lock)
     }
 
     /// Gives all files their names; the one called `last` comes last, so that it speaks for finished files only. Then
@@ -83,11 +126,16 @@ impl Stage {
     pub fn commit(mut self, last: &str, stale: &[String]) -> Result<()> {
         let mut files = std::mem::take(self.files.get_mut().expect("no writer panics"));
         files.sort_by_key(|(_, path)| path.ends_with(last));
+        // Until all have their names, a copy of the manifest says that they are ours.
+        let journal = self.folder.join(JOURNAL);
+        if let Some((manifest, _)) = files.last().filter(|(_, path)| path.ends_with(MANIFEST)) {
+            fs::copy(manifest.path(), &journal).map_err(|e| Error::io(&journal, e))?;
+        }
         let mut new = Vec::new();
         for (file, path) in files {
             let existed = path.exists();
             if let Err(error) = file.persist(&path) {
-                new.iter().for_each(|path| drop(fs::remove_file(path)));
+                new.iter().chain([&journal]).for_each(|path| drop(fs::remove_file(path)));
                 return Err(Error::io(&path, error.error));
             }
             if !existed {
@@ -95,6 +143,7 @@ impl Stage {
             }
         }
         stale.iter().for_each(|name| drop(fs::remove_file(self.folder.join(name))));
+        fs::remove_file(&journal).ok();
         self.made.clear();
         Ok(())
     }
@@ -135,6 +184,18 @@ pub fn may_write<'a>(folder: &Path, names: impl IntoIterator<Item = &'a str>, fo
 /// # Errors
 /// As [`may_write`].
 pub fn may_build<'a>(
+    folder: &Path,
+    material: &str,
+    names: impl IntoIterator<Item = &'a str>,
+    force: bool,
+) -> Result<()> {
+    // Another build may be between its first file and its manifest.
+    let _alone = FolderLock::new(folder)?;
+    may_build_alone(folder, material, names, force)
+}
+
+/// The same, for whoever holds the folder's lock.
+pub fn may_build_alone<'a>(
     folder: &Path,
     material: &str,
     names: impl IntoIterator<Item = &'a str>,

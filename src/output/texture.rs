@@ -4,7 +4,7 @@ use glam::Vec3;
 use ndarray::{Array3, Axis};
 use rayon::prelude::*;
 
-use super::layer::Rows;
+use super::layer::{Layer, Rows};
 use super::preset::Compress;
 use crate::codec::texture::{Effort, TexelFormat, Texture, decode, encode};
 use crate::image::{Raster, Samples, Size};
@@ -13,11 +13,14 @@ use crate::material::Encoding;
 /// Rows that are encoded at a time, of whole blocks: what is in memory beside the bytes.
 const BAND: usize = 32;
 
-/// The texel format of a map. Normals have two channels where `two_channel_normals`, and shaders rebuild z.
+/// The texel format of a map. Those of further lobes are never compressed. Normals have two channels where `two_channel_normals`, and shaders rebuild z.
 pub fn texel_format(rows: &Rows, compress: Compress, two_channel_normals: bool) -> TexelFormat {
+    // Blocks would not keep the sum of the lobes' weights.
+    let plain = matches!(rows.layer, Layer::Further(_));
+    let compress = if plain { Compress::None } else { compress };
     let channels = stored_channels(rows, compress, two_channel_normals);
     match (compress, channels, rows.bits()) {
-        (Compress::Uastc, ..) => TexelFormat::Bc7, // UASTC-TODO
+        (Compress::Uastc, ..) => TexelFormat::Uastc,
         (Compress::Bc, 1, _) => TexelFormat::Bc4,
         (Compress::Bc, 2, _) => TexelFormat::Bc5,
         (Compress::Bc, ..) => TexelFormat::Bc7,

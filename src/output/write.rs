@@ -8,6 +8,7 @@ use super::exr::{write_lobes, write_moments};
 use super::layer::Layer;
 use super::manifest::Manifest;
 use super::plan::{self, Content, Format, Plan, Request};
+use super::stage::may_build_alone;
 use super::texture::{texel_format, texture_of};
 use super::{MANIFEST, Stage, stale};
 use crate::codec::texture::{write_dds, write_ktx2};
@@ -74,7 +75,7 @@ pub fn write_with(
                 if format == Format::Dds { write_dds(out, &texture) } else { write_ktx2(out, &texture, true) }
             }
             Content::Lobes => write_lobes(out, material, chain),
-            Content::Moments => write_moments(out, material, chain),
+            Content::Moments => write_moments(out, material, chain, request.normal_y(material)),
             Content::Picture { index } => out.write_all(&pictures[index]),
             Content::Aside { index } => out.write_all(plan.asides[index].text.as_bytes()),
         })?;
@@ -84,7 +85,9 @@ pub fn write_with(
     let manifest = Manifest::new(material, chain, options, plan, request, stage.digests());
     let text = serde_json::to_string_pretty(&manifest).expect("plain data");
     stage.write(MANIFEST, |out| out.write_all(text.as_bytes()).and_then(|()| out.write_all(b"\n")))?;
-    let _alone = stage.lock();
+    let _alone = stage.lock()?;
+    // What came there since the plan was checked.
+    may_build_alone(&request.folder, &material.name, names.iter().copied(), request.force)?;
     let mut stale = stale(&request.folder, &material.name, &names);
     stale.retain(|name| !plan::reads(material, &request.folder.join(name)));
     stage.commit(MANIFEST, &stale)

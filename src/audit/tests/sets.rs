@@ -135,3 +135,43 @@ fn values_that_cannot_be_are_found() {
     assert_eq!(found(&map(|i| if i < 9 { 1.5 } else { 0.0 }), "values").severity, Severity::Warning);
     assert_eq!(found(&map(|i| if i % 2 == 0 { f32::NAN } else { 0.0 }), "values").severity, Severity::Error);
 }
+
+/// PNGs that say so, as codecs tell it.
+#[test]
+fn claims_of_colour_are_told() {
+    let mut bytes = Vec::new();
+    let mut encoder = ::png::Encoder::new(&mut bytes, 4, 4);
+    encoder.set_color(::png::ColorType::Rgb);
+    encoder.set_source_srgb(::png::SrgbRenderingIntent::Perceptual);
+    let flat: Vec<u8> = [128, 128, 255].repeat(16);
+    encoder.write_header().unwrap().write_image_data(&flat).unwrap();
+    let inputs = Inputs {
+        name: "set".into(),
+        normal: Some("normal.png".into()),
+        roughness: RoughnessInput::Constant(PerceptualRoughness(0.4)),
+        ..Inputs::default()
+    };
+    let audit = audit(&inputs, &|path| crate::codec::decode(path, bytes.clone()));
+    assert_eq!(found(&audit, "says-colour").evidence, "PNG says its data is sRGB");
+}
+
+/// Heights that go against the slopes along v only, where the curl finds nothing wrong with them.
+#[test]
+fn witnesses_that_differ_make_no_error() {
+    let turns = |cycles: f64, x: f64| std::f64::consts::TAU * cycles * x / SIDE as f64;
+    let slopes = |x: usize, y: usize| {
+        let (u, v) = (x as f64, -(y as f64));
+        // Waves along each axis, of which the curl knows nothing, and a few across both, which tell it the signs.
+        let both = 0.1 * (turns(7.0, u) + turns(9.0, v)).cos();
+        [0.2 * turns(5.0, u).cos() + 7.0 * both / 9.0, 0.2 * turns(5.0, v).cos() + both]
+    };
+    let normal = map8(3, |x, y| {
+        let [p, q] = slopes(x, y);
+        stored(p, q).to_vec()
+    });
+    let height = map8(1, |x, y| vec![0.5 + 0.2 * (turns(5.0, x as f64).sin() - turns(5.0, -(y as f64)).sin())]);
+    let audit = Maps::of(normal).with("height.png", height).audit();
+    let finding = found(&audit, "green");
+    assert!(finding.severity == Severity::Warning && finding.evidence.contains("; but the curl"), "{finding:?}");
+    assert!(finding.confidence <= 0.5, "{finding:?}");
+}

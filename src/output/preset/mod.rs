@@ -1,8 +1,15 @@
 //! What engines want, as data: container, packing, conventions, the facts behind them, and the files that go along.
 
+mod bevy;
+mod film;
+mod games;
 mod readme;
+#[cfg(test)]
+mod tests;
+mod unity;
 mod web;
 
+pub use readme::{fill, said};
 use serde::Serialize;
 
 use super::Format;
@@ -53,7 +60,7 @@ pub struct Fact {
 }
 
 /// What an engine wants.
-#[derive(Clone, Copy, Debug, Serialize)]
+#[derive(Clone, Copy, Debug)]
 pub struct Preset {
     /// In options.
     pub name: &'static str,
@@ -77,10 +84,12 @@ pub struct Preset {
     pub sides: Sides,
     /// Why all of that is so, and what to mind.
     pub facts: &'static [Fact],
-    /// How to load the files, step by step: a line each.
+    /// How to load the files, a step a line; lines that begin with a space are code of the step before. `{normal}` stands
+    /// for the file of the normals, `{packed}` for that of the roughness: level 0, where levels have files of their own;
+    /// `{normal.level}` for that of any level, with `%d`, and `{normal.last}` for the number of the last one. A line whose
+    /// file was not written is left out.
     pub load: &'static str,
     /// Further files, beside the README.
-    #[serde(skip)]
     pub aside: fn(&Written) -> Vec<Aside>,
 }
 
@@ -120,13 +129,26 @@ pub struct Aside {
 }
 
 /// All of them.
-pub const PRESETS: &[Preset] = &[web::THREE, web::GLTF];
+pub const PRESETS: &[Preset] = &[
+    web::THREE,
+    web::GLTF,
+    bevy::BEVY,
+    games::GODOT,
+    unity::UNITY,
+    unity::UNITY_HDRP,
+    games::UNREAL,
+    web::BABYLON,
+    web::PLAYCANVAS,
+    web::FILAMENT,
+    film::OIIO,
+    film::RENDERMAN,
+];
 
 impl Preset {
     /// The preset of a name.
     ///
     /// # Errors
-    /// [`Error::InvalidOption`] that lists the names.
+    /// [`Error::Invalid`] that lists the names.
     pub fn by_name(name: &str) -> Result<&'static Preset> {
         PRESETS.iter().find(|preset| preset.name == name).ok_or_else(|| {
             let names: Vec<_> = PRESETS.iter().map(|preset| preset.name).collect();
@@ -137,6 +159,32 @@ impl Preset {
     /// Text of `README.txt`: what the files are, how to load them, what to mind. Lines of up to 80 columns.
     pub fn readme(&self, written: &Written) -> String {
         readme::readme(self, written)
+    }
+
+    /// The steps of [`Preset::load`] for a material that is called `NAME`.
+    pub fn steps(&self) -> String {
+        let ending = self.format.extension();
+        let files = |stem: &str| {
+            let level = |k: &str| if self.format == Format::Png { format!("_mip{k}") } else { String::new() };
+            let name = |k| format!("NAME_{stem}{}.{ending}", level(k));
+            readme::Files { first: name("0"), level: name("%d"), last: "LAST".into() }
+        };
+        let packed = if self.packed.is_some() { self.packed_suffix } else { "roughness" };
+        readme::steps(self.load, Some(&files("normal")), Some(&files(packed)), Wrap::Repeat)
+    }
+
+    /// The channels of the packed map, in a letter each: occlusion, roughness, smoothness, metal, 0, 1; none for the
+    /// material's own packing.
+    pub fn letters(&self) -> String {
+        let letter = |slot: &Slot| match slot {
+            Slot::Occlusion => 'O',
+            Slot::Roughness => 'R',
+            Slot::Smoothness => 'S',
+            Slot::Metal => 'M',
+            Slot::Zero => '0',
+            Slot::One => '1',
+        };
+        self.packed.unwrap_or_default().iter().map(letter).collect()
     }
 
     /// All files that go along, the README first.
