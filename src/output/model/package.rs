@@ -167,12 +167,12 @@ impl<'a> Package<'a> {
             contents[to].extend(&data[from..]);
         }
         let moved = |buffer: usize, offset: usize| -> (usize, usize) {
-            if !changed[buffer] {
+            if changed.get(buffer) != Some(&true) {
                 return (buffer, offset);
             }
             let gone: usize =
                 removed[buffer].iter().take_while(|range| range.end <= offset).map(|range| range.len()).sum();
-            (if self.merges() { 0 } else { buffer }, base[buffer] + offset - gone)
+            (if self.merges() { 0 } else { buffer }, base[buffer].saturating_add(offset - gone))
         };
 
         let mut new_views: Vec<String> = Vec::new();
