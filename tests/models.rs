@@ -133,7 +133,7 @@ fn textures_hold_the_fold_but_for_their_compression() {
     let read = |name: &str, image: usize| read_levels(&desk.file(name, after.image(image))).unwrap();
     let (normals, rough) = (read("n.ktx2", 0), read("orm.ktx2", 1));
     assert_eq!((normals.len(), rough.len()), (6, 6));
-    for k in 0..6 {
+    for k in 0..6usize {
         let folded = k.checked_sub(1).map(|i| (&chain.levels[i].lobes, &chain.levels[i].extras));
         let view = LevelView { material: &material, folded, main_axis: 0.0 };
         let size = view.size();
