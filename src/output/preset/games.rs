@@ -98,9 +98,9 @@ pub const UNREAL: Preset = Preset {
             checked: true,
         },
         Fact {
-            text: "Texels come uncompressed, for the engine compresses each level itself after the import.",
+            text: "Of 2D files with mips only uncompressed ones are taken; the engine compresses the levels itself.",
             source: "Unreal Engine forum, How to import custom mip maps? (336593)",
-            checked: true,
+            checked: false,
         },
         Fact { text: "Mips and streaming want sides that are powers of two.", source: "common advice", checked: false },
         Fact {
