@@ -233,6 +233,11 @@ pub const FILAMENT: Preset = Preset {
             source: "google/filament, libs/ktxreader/src/Ktx2Reader.cpp, commit 10dcfb99",
             checked: true,
         },
+        Fact {
+            text: "The steps take metal from blue as it is: so it is 0 where no map of metal came.",
+            source: "mipfold's own",
+            checked: true,
+        },
     ],
     load: "Load the bytes of each file with a Ktx2Reader.
  ktxreader::Ktx2Reader reader(engine);
