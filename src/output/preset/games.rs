@@ -20,8 +20,10 @@ pub const GODOT: Preset = Preset {
     sides: Sides::MultipleOf4,
     facts: &[
         Fact {
-            text: "KTX 2 files are loaded as they are: there are no import settings, and PNGs would get plain mips.",
-            source: "godotengine/godot, modules/ktx/texture_loader_ktx.cpp, commit 00d7a0bc",
+            text: "KTX 2 files, Zstandard and all, are loaded as they are: there are no import settings, and PNGs would get \
+                   plain mips.",
+            source: "godotengine/godot, modules/ktx/texture_loader_ktx.cpp, commit 00d7a0bc; \
+                     thirdparty/libktx/lib/texture2.c, commit 173c9d2f",
             checked: true,
         },
         Fact {
