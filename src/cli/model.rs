@@ -146,7 +146,7 @@ pub fn run(args: &BuildArgs, global: &Global, report: &mut Report) -> Result<()>
     tell(report, global, output, &materials, &names, files.main.len());
     if options.compress != Compress::Uastc && !groups.is_empty() {
         report.warning(
-            "textures that are not UASTC are no part of glTF: Bevy and three.js read them, validators complain of image/ktx2",
+            "textures that are not UASTC are no part of glTF: Bevy reads them, other loaders and validators do not know image/ktx2",
         );
     }
     report.document(json(&document(Some(global.dry_run))));

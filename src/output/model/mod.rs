@@ -44,7 +44,7 @@ pub struct ModelOptions {
     pub fold: Options,
     /// One width or two; without, two for materials with anisotropy.
     pub form: Option<Form>,
-    /// UASTC is what glTF allows (`KHR_texture_basisu`); others are read by Bevy and three.js alone.
+    /// UASTC is what glTF allows (`KHR_texture_basisu`); of others only Bevy is known to read them.
     pub compress: Compress,
     /// How much time that may take.
     pub effort: Effort,

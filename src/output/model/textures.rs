@@ -278,7 +278,7 @@ fn sheet(material: &Material, slot: Slot) -> Sheet {
 
 fn texel_format(compress: Compress, slot: Slot) -> TexelFormat {
     match (compress, slot) {
-        (Compress::Uastc, _) => TexelFormat::by_name("uastc").unwrap_or(TexelFormat::Bc7),
+        (Compress::Uastc, _) => TexelFormat::Uastc,
         (Compress::Bc, Slot::Normal) => TexelFormat::Bc5,
         (Compress::Bc, _) => TexelFormat::Bc7,
         (Compress::None, _) => TexelFormat::Rgba8,
