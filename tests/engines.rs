@@ -84,6 +84,20 @@ fn unity_gets_smoothness_in_alpha() {
     assert!(readme.contains("Mask Map") && names(&out).contains(&"MipfoldMips.cs.txt".into()), "{readme}");
 }
 
+/// The older header of DDS, which holds 8-bit RGBA in another order.
+#[test]
+fn old_readers_get_an_old_header() {
+    let desk = Desk::empty();
+    set(&desk, 30);
+    let out = desk.build("out", &format!("{SET} --preset gltf --resize 4 --format dds --dds9"));
+    let bytes = fs::read(out.join("n.dds")).unwrap();
+    assert_ne!(&bytes[84..88], b"DX10");
+    let plain = desk.build("plain", &format!("{SET} --preset gltf --resize 4 --format dds --compress none"));
+    let (old, new) = (levels_of(&out.join("n.dds")), levels_of(&plain.join("n.dds")));
+    assert_eq!(old.len(), new.len());
+    assert!(old.iter().zip(&new).all(|(a, b)| (0..3).all(|c| channel(a, c) == channel(b, c))));
+}
+
 /// What the web loads: UASTC, which has no number of Vulkan's, and its model (166) in the descriptor.
 #[test]
 fn the_web_gets_uastc() {

@@ -213,6 +213,10 @@ pub struct ContainerArgs {
     /// Time that compression may take: slow is for what ships
     #[arg(long, value_enum, default_value = "fast")]
     pub effort: EffortArg,
+    /// Write DDS with the header of DirectX 9, uncompressed and in 8 bit, which older readers want (three.js' DDSLoader,
+    /// Unreal before its new importer)
+    #[arg(long)]
+    pub dds9: bool,
     /// Enlarge all maps until their sides are multiples of 4, or powers of two (pot), as engines and compression want them
     #[arg(long, value_enum, default_value = "keep", hide_possible_values = true, value_name = "4|pot")]
     pub resize: Sides,
@@ -409,6 +413,7 @@ impl ContainerArgs {
                 EffortArg::Fast => Effort::Fast,
                 EffortArg::Slow => Effort::Slow,
             },
+            dds9: self.dds9,
             force,
             ..plain
         }

@@ -43,6 +43,7 @@ pub fn key(
         resize,
         compress,
         effort,
+        dds9,
         preset,
         moments,
         extras,
@@ -54,7 +55,7 @@ pub fn key(
     write!(
         text,
         "\n{} {form:?} {lobes} {shared_normal} {strength} {at_least_average} {min_alpha:?} {max_alpha:?} {slope_moments} \
-         {mean_length}\n{formats:?} {depth:?} {resize:?} {compress:?} {effort:?} {:?} {moments} {extras:?} {pictures:?}",
+         {mean_length}\n{formats:?} {depth:?} {resize:?} {compress:?} {effort:?} {dds9} {:?} {moments} {extras:?} {pictures:?}",
         fold.name,
         preset.map(|preset| preset.name)
     )

@@ -8,7 +8,6 @@ use super::exr::{MOMENT_CHANNELS, lobe_count, role_name};
 use super::layer::{Layer, Rows};
 use super::plan::{Content, Format, Plan, Request};
 use super::sheet::Sheet;
-use super::texture::texel_format;
 use crate::codec::Depth;
 use crate::fold::{Chain, Options};
 use crate::image::{Size, Wrap};
@@ -192,9 +191,7 @@ fn maps(material: &Material, chain: &Chain, plan: &Plan, request: &Request) -> V
             (Format::Png, ..) => "unorm16",
             (Format::Exr, _, Depth::Half) => "float16",
             (Format::Exr, ..) => "float32",
-            (Format::Ktx2 | Format::Dds, ..) => {
-                texel_format(&rows, request.compress, request.two_channel_normals()).name()
-            }
+            (Format::Ktx2 | Format::Dds, ..) => request.texels(&rows, container).name(),
         };
         let described = OutputMap {
             role: layer_role(material, &plan.sheets, layer),
@@ -241,7 +238,7 @@ fn maps(material: &Material, chain: &Chain, plan: &Plan, request: &Request) -> V
 fn stored(rows: &Rows, container: Format, form: Encoding, request: &Request) -> Vec<ChannelRole> {
     let mut channels = rows.channels(form);
     if container.is_texture() {
-        let texels = texel_format(rows, request.compress, request.two_channel_normals());
+        let texels = request.texels(rows, container);
         channels.truncate(texels.channels());
         let used = channels.len();
         let names = ["R", "G", "B", "A"].into_iter().take(texels.channels());

@@ -9,8 +9,9 @@ use super::manifest::layer_role;
 use super::may_build;
 use super::preset::{Aside, Compress, Preset, Written, WrittenMap};
 use super::sheet::Sheet;
+use super::texture::texel_format;
 use crate::codec::Depth;
-use crate::codec::texture::Effort;
+use crate::codec::texture::{Effort, TexelFormat};
 use crate::error::{Error, Result};
 use crate::fold::{Chain, Options};
 use crate::image::{Sides, Size};
@@ -64,6 +65,8 @@ pub struct Request {
     pub compress: Compress,
     /// How much time that may take.
     pub effort: Effort,
+    /// Whether DDS has the header of DirectX 9, and 8 bit RGBA under it.
+    pub dds9: bool,
     /// The engine that reads the files, if one was named: it decides on packing and on the green of normals.
     pub preset: Option<&'static Preset>,
     /// Whether to write the raw slope moments.
@@ -89,6 +92,7 @@ impl Request {
             resize: Sides::Any,
             compress: Compress::default(),
             effort: Effort::default(),
+            dds9: false,
             preset: None,
             moments: false,
             extras: Vec::new(),
@@ -113,6 +117,14 @@ impl Request {
     /// Which way green points in the normal maps that are written.
     pub fn normal_y(&self, material: &Material) -> NormalY {
         self.preset.map_or(material.normal_y, |preset| preset.normal_y)
+    }
+
+    /// The texel format of a map in a container for GPUs.
+    pub fn texels(&self, rows: &Rows, format: Format) -> TexelFormat {
+        if self.dds9 && format == Format::Dds {
+            return TexelFormat::Rgba8;
+        }
+        texel_format(rows, self.compress, self.two_channel_normals())
     }
 
     /// Whether normals lose their z to block compression that has two channels.
@@ -264,7 +276,7 @@ impl Plan {
             if let Some((found, expected)) = wrong_sides(material.size, format, request) {
                 return Err(Error::unsupported(&path, found, expected));
             }
-            if format == Format::Dds && request.compress == Compress::Uastc {
+            if format == Format::Dds && request.compress == Compress::Uastc && !request.dds9 {
                 return Err(Error::unsupported(&path, "UASTC in a DDS", "--compress bc or none, or --format ktx2"));
             }
         }
@@ -275,7 +287,8 @@ impl Plan {
 
 /// What the sides of level 0 are and what the container and the engine want, where that is not the same.
 fn wrong_sides(size: Size, format: Format, request: &Request) -> Option<(String, String)> {
-    let blocks = format.is_texture() && request.compress != Compress::None;
+    let plain = request.compress == Compress::None || (request.dds9 && format == Format::Dds);
+    let blocks = format.is_texture() && !plain;
     let engine = request.preset.map_or(Sides::Any, |preset| preset.sides);
     let sides = if engine.holds(size) && blocks { Sides::MultipleOf4 } else { engine };
     if sides.holds(size) {

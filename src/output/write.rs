@@ -9,9 +9,9 @@ use super::layer::Layer;
 use super::manifest::Manifest;
 use super::plan::{self, Content, Format, Plan, Request};
 use super::stage::may_build_alone;
-use super::texture::{texel_format, texture_of};
+use super::texture::texture_of;
 use super::{MANIFEST, Stage, stale};
-use crate::codec::texture::{write_dds, write_ktx2};
+use crate::codec::texture::{write_dds, write_dds9, write_ktx2};
 use crate::codec::write_png;
 use crate::error::{Error, Result};
 use crate::fold::{Chain, Options};
@@ -70,9 +70,13 @@ pub fn write_with(
             Content::Levels { layer, format: Format::Exr } => rows(layer).write_exr(out, request.depth),
             Content::Levels { layer, format } => {
                 let rows = rows(layer);
-                let texels = texel_format(&rows, request.compress, request.two_channel_normals());
+                let texels = request.texels(&rows, format);
                 let texture = texture_of(&rows, texels, request.effort);
-                if format == Format::Dds { write_dds(out, &texture) } else { write_ktx2(out, &texture, true) }
+                match format {
+                    Format::Ktx2 => write_ktx2(out, &texture, true),
+                    _ if request.dds9 => write_dds9(out, &texture),
+                    _ => write_dds(out, &texture),
+                }
             }
             Content::Lobes => write_lobes(out, material, chain),
             Content::Moments => write_moments(out, material, chain, request.normal_y(material)),

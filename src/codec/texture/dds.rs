@@ -3,7 +3,7 @@
 
 use std::io::{self, Cursor, Write};
 
-use ddsfile::{AlphaMode, Caps2, D3D10ResourceDimension, Dds, FourCC, Header, Header10, MiscFlag};
+use ddsfile::{AlphaMode, Caps2, D3D10ResourceDimension, D3DFormat, Dds, FourCC, Header, Header10, MiscFlag};
 use ddsfile::{DxgiFormat, PixelFormat, PixelFormatFlags};
 
 use super::layout::{Kind, Layout};
@@ -61,6 +61,31 @@ pub fn write_dds(mut out: impl Write, texture: &Texture) -> io::Result<()> {
     head.write(&mut out).map_err(io::Error::other)?;
     for level in levels {
         out.write_all(level)?;
+    }
+    out.flush()
+}
+
+/// Writes a DDS file with the header of DirectX 9, which older readers want: 8 bit, in the order blue, green, red, alpha.
+///
+/// # Errors
+/// As [`write_dds`]; [`io::ErrorKind::Unsupported`] for all formats but [`TexelFormat::Rgba8`].
+pub fn write_dds9(mut out: impl Write, texture: &Texture) -> io::Result<()> {
+    texture.check()?;
+    let Texture { size, format, levels } = texture;
+    let unsupported = |what: String| io::Error::new(io::ErrorKind::Unsupported, what);
+    if *format != TexelFormat::Rgba8 {
+        return Err(unsupported(format!("DDS with the header of DirectX 9 holds rgba8 here, not {}", format.name())));
+    }
+    let too_large = |_| unsupported(format!("DDS cannot hold {size} texels"));
+    let (width, height) = (size.width.try_into().map_err(too_large)?, size.height.try_into().map_err(too_large)?);
+    u32::try_from(32 * size.width).map_err(too_large)?;
+    let order = D3DFormat::A8R8G8B8;
+    let header = Header::new_d3d(height, width, None, order, Some(levels.len() as u32), None);
+    let head = Dds { header: header.map_err(io::Error::other)?, header10: None, data: Vec::new() };
+    head.write(&mut out).map_err(io::Error::other)?;
+    for level in levels {
+        let texels = level.as_chunks::<4>().0.iter().flat_map(|[r, g, b, a]| [*b, *g, *r, *a]);
+        out.write_all(&texels.collect::<Vec<u8>>())?;
     }
     out.flush()
 }

@@ -51,7 +51,7 @@ mod uastc;
 #[cfg(test)]
 mod tests;
 
-pub use dds::write_dds;
+pub use dds::{write_dds, write_dds9};
 pub use ktx2::write_ktx2;
 
 pub(super) use dds::decode as decode_dds;
