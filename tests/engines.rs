@@ -267,6 +267,20 @@ fn a_locked_folder_is_waited_for() {
     });
 }
 
+/// Pictures are often saved with an alpha that says nothing.
+#[test]
+fn an_alpha_of_ones_is_not_encoded() {
+    let desk = Desk::empty();
+    let opaque = |n: [u8; 3]| vec![n[0], n[1], n[2], 255];
+    png8(&desk.at("n.png"), (32, 32), |x, y| opaque(bump(x, y, 32).map(encode8)));
+    png8(&desk.at("r.png"), (32, 32), |x, y| vec![(x * y % 200) as u8, 255]);
+    let out = desk.build("out", "--normal @n.png --roughness @r.png --format ktx2");
+    let encodings =
+        manifest(&out)["maps"].as_array().unwrap().iter().map(|map| map["encoding"].clone()).collect::<Vec<_>>();
+    assert_eq!(encodings, ["bc5", "bc4"]);
+    desk.warns("--normal @n.png --roughness @r.png --preset gltf -o @gltf", &[]);
+}
+
 /// Channels that an engine's packing has no place for are named, and one channel has one meaning.
 #[test]
 fn nothing_is_lost_without_a_word() {
