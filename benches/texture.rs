@@ -27,15 +27,19 @@ fn bench(criterion: &mut Criterion) {
         ("normals to BC5", normal, TexelFormat::Bc5, Effort::Fast),
         ("normals to BC7, fast", normal, TexelFormat::Bc7, Effort::Fast),
         ("normals to BC7, slow", normal, TexelFormat::Bc7, Effort::Slow),
+        ("normals to UASTC, fast", normal, TexelFormat::Uastc, Effort::Fast),
+        ("normals to UASTC, slow", normal, TexelFormat::Uastc, Effort::Slow),
         ("RGBA to BC7, fast", &four, TexelFormat::Bc7, Effort::Fast),
         ("RGBA to BC7, slow", &four, TexelFormat::Bc7, Effort::Slow),
+        ("RGBA to UASTC, fast", &four, TexelFormat::Uastc, Effort::Fast),
+        ("RGBA to UASTC, slow", &four, TexelFormat::Uastc, Effort::Slow),
     ];
     for (name, raster, format, effort) in cases {
         group.bench_function(name, |b| {
             b.iter(|| pool.install(|| black_box(encode(black_box(raster), format, effort)).len()));
         });
     }
-    for format in [TexelFormat::Rg8, TexelFormat::Bc5, TexelFormat::Bc7] {
+    for format in [TexelFormat::Rg8, TexelFormat::Bc5, TexelFormat::Bc7, TexelFormat::Uastc] {
         let texture = Texture::encode(std::slice::from_ref(normal), format, Effort::Fast);
         let file = |zstd| {
             let mut file = Vec::new();

@@ -1,4 +1,5 @@
-//! Other programs read our textures: OpenImageIO our DDS files, three.js with ktx-parse our KTX 2 files.
+//! Other programs read our textures: OpenImageIO our DDS files, three.js with ktx-parse our KTX 2 files, Basis Universal's
+//! transcoder those of UASTC.
 //!
 //! `MIPFOLD_THREE` is the folder of the npm package `three`; `node` runs it.
 
@@ -48,6 +49,11 @@ fn openimageio_reads_our_dds_files_texel_for_texel() {
     let known = [TexelFormat::Rgba8, TexelFormat::R16, TexelFormat::Bc4, TexelFormat::Bc5, TexelFormat::Bc7];
     let mut count = 0;
     for texture in textures().filter(|texture| known.contains(&texture.format)) {
+        // (No DDS has blocks that stick out of level 0.)
+        let blocks = texture.format.block_side() > 1;
+        if blocks && !texture.size.width.is_multiple_of(4) {
+            continue;
+        }
         write_dds(std::fs::File::create(&path).unwrap(), &texture).unwrap();
         let about = common::script(&python, "exr_dump.py", &[&path, &dump]);
         assert_eq!(about["levels"], sizes(&texture), "{:?}", texture.format);
@@ -72,7 +78,7 @@ fn openimageio_reads_our_dds_files_texel_for_texel() {
         assert_eq!(floats.next(), None);
         count += 1;
     }
-    assert_eq!(count, 10);
+    assert_eq!(count, 7);
 }
 
 fn three() -> Option<PathBuf> {
@@ -91,8 +97,8 @@ fn three_reads_our_ktx_2_files_byte_for_byte() {
     let (path, dump) = (folder.path().join("a.ktx2"), folder.path().join("a.bin"));
     let mut count = 0;
     for texture in textures() {
-        // three.js r187 has no texture of 16 bit with one or two channels.
-        if matches!(texture.format, TexelFormat::R16 | TexelFormat::Rg16) {
+        // three.js r187 has no texture of 16 bit with one or two channels. (UASTC has a test of its own.)
+        if matches!(texture.format, TexelFormat::R16 | TexelFormat::Rg16 | TexelFormat::Uastc) {
             continue;
         }
         for zstd in [false, true] {
@@ -100,7 +106,7 @@ fn three_reads_our_ktx_2_files_byte_for_byte() {
             let about = common::script(Path::new("node"), "ktx2_dump.mjs", &[&three, &path, &dump]);
             assert_eq!(std::fs::read(&dump).unwrap(), texture.levels.concat(), "{:?}", texture.format);
             assert_eq!(about["levels"], sizes(&texture));
-            assert_eq!(about["vkFormat"], texture.format.vk_format());
+            assert_eq!(about["vkFormat"], json!(texture.format.vk_format()));
             assert_eq!([&about["pixelWidth"], &about["pixelHeight"]], [texture.size.width, texture.size.height]);
             assert_eq!(about["supercompressionScheme"], if zstd { 2 } else { 0 });
             // No primaries, linear.
@@ -112,6 +118,74 @@ fn three_reads_our_ktx_2_files_byte_for_byte() {
         }
     }
     assert_eq!(count, 40);
+}
+
+/// Blocks of every mode whose other bits look random: code, its bits, and of patterns the place and the number.
+fn random_blocks(count: usize) -> Vec<u8> {
+    #[rustfmt::skip]
+    const MODES: [(u128, u32, u32, u128); 19] = [
+        (0x1, 4, 0, 1), (0x35, 6, 0, 1), (0x1d, 5, 20, 30), (0x3, 5, 20, 11), (0x13, 5, 20, 30), (0xb, 5, 0, 1),
+        (0x1b, 5, 0, 1), (0x7, 5, 20, 19), (0x17, 5, 0, 1), (0xf, 5, 28, 30), (0x2, 3, 0, 1), (0x0, 2, 0, 1),
+        (0x6, 3, 0, 1), (0x1f, 5, 0, 1), (0xd, 5, 0, 1), (0x5, 7, 0, 1), (0x15, 6, 29, 30), (0x25, 6, 0, 1), (0x9, 4, 0, 1),
+    ];
+    let mut state = 1u64;
+    let mut number = || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        u128::from(state >> 32)
+    };
+    let block = |i: usize| {
+        let (code, bits, at, patterns) = MODES[i % 19];
+        let mut block = (0..4).fold(0, |block, _| block << 32 | number());
+        if patterns > 1 {
+            let most = if patterns == 11 { 15 } else { 31 };
+            block = block & !(most << at) | (i / 19) as u128 % patterns << at;
+        }
+        (block >> bits << bits | code).to_le_bytes()
+    };
+    (0..count).flat_map(block).collect()
+}
+
+#[test]
+fn basis_universal_decodes_our_uastc_bit_for_bit() {
+    let Some(three) = three() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let (path, dump) = (folder.path().join("a.ktx2"), folder.path().join("a.bin"));
+    let size = Size::new(4 * 38, 4 * 30);
+    let random = Texture { size, format: TexelFormat::Uastc, levels: vec![random_blocks(38 * 30)] };
+    let encoded =
+        [(100, 36, 3, Effort::Fast), (100, 36, 4, Effort::Slow), (5, 3, 4, Effort::Fast), (64, 64, 3, Effort::Slow)];
+    let encoded = encoded.map(|(width, height, channels, effort)| {
+        let size = Size::new(width, height);
+        let levels: Vec<_> = (0..size.level_count()).map(|k| raster(size.level(k), channels)).collect();
+        (Texture::encode(&levels, TexelFormat::Uastc, effort), channels == 4)
+    });
+    for (texture, alpha) in encoded.into_iter().chain([(random, true)]) {
+        for zstd in [false, true] {
+            write_ktx2(std::fs::File::create(&path).unwrap(), &texture, zstd).unwrap();
+            let about = common::script(Path::new("node"), "basis_dump.mjs", &[&three, &path, &dump]);
+            let levels = texture.levels.iter().enumerate();
+            let ours: Vec<u8> = levels
+                .flat_map(|(k, level)| match decode(level, texture.size.level(k), texture.format).samples {
+                    Samples::U8(samples) => samples.into_raw_vec_and_offset().0,
+                    _ => unreachable!("8 bit"),
+                })
+                .collect();
+            let theirs = std::fs::read(&dump).unwrap();
+            let wrong = ours.iter().zip(&theirs).position(|(a, b)| a != b);
+            assert!(wrong.is_none() && ours.len() == theirs.len(), "{}: value {wrong:?}", texture.size);
+            assert_eq!(about["size"], json!([texture.size.width, texture.size.height]));
+            assert_eq!(about["levels"], texture.levels.len());
+            assert_eq!([&about["uastc"], &about["alpha"]], [true, alpha]);
+            // Blocks of 16 bytes as ours, or of half of it.
+            let bytes = texture.levels.concat().len();
+            for (format, half) in [("ETC1", 2), ("BC1", 2), ("BC4", 2), ("EAC_R11", 2)] {
+                assert_eq!(about["bytes"][format], bytes / half, "{} to {format}", texture.size);
+            }
+            for format in ["ETC2", "BC3", "BC5", "BC7", "ASTC", "EAC_RG11"] {
+                assert_eq!(about["bytes"][format], bytes, "{} to {format}", texture.size);
+            }
+        }
+    }
 }
 
 /// A chain as an engine would load it, normals in BC5 in a KTX 2, the packed map in BC7 in a DDS, is judged all but like its

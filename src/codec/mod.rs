@@ -10,8 +10,8 @@
 //! | BMP, WebP | content | 8 bit |
 //! | Radiance HDR | content | float |
 //! | OpenEXR | content | half, float, unsigned integer; any channels, any data window |
-//! | KTX 2 | content | 8, 16 bit, half, float, BC1, BC3, BC4, BC5, BC7; with Zstandard or zlib |
-//! | DDS | content | the same, with the DX10 header or the older one; masks of whole bytes |
+//! | KTX 2 | content | 8, 16 bit, half, float, BC1, BC3, BC4, BC5, BC7, UASTC; with Zstandard or zlib |
+//! | DDS | content | the same but UASTC, with the DX10 header or the older one; masks of whole bytes |
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;

@@ -21,11 +21,25 @@ const HEADER: usize = 124;
 /// Writes a DDS file with a DX10 header: one 2D texture with its levels, largest first, without gaps.
 ///
 /// # Errors
-/// Whatever `out` returns; [`io::ErrorKind::Unsupported`] if a row has 2^32 bits or more, or level 0 in blocks 2^32 bytes.
+/// Whatever `out` returns; [`io::ErrorKind::InvalidInput`] if the levels are not those of the size and the format;
+/// [`io::ErrorKind::Unsupported`] for UASTC, for blocks if a side of level 0 is no multiple of 4 (Direct3D makes no such
+/// texture), and if a row has 2^32 bits or more, or level 0 in blocks 2^32 bytes.
 pub fn write_dds(mut out: impl Write, texture: &Texture) -> io::Result<()> {
+    texture.check()?;
     let Texture { size, format, levels } = texture;
-    let too_large = |_| io::Error::new(io::ErrorKind::Unsupported, format!("DDS cannot hold {size} texels"));
+    let unsupported = |what: String| io::Error::new(io::ErrorKind::Unsupported, what);
+    let too_large = |_| unsupported(format!("DDS cannot hold {size} texels"));
+    let dxgi = format.facts().dxgi.ok_or_else(|| {
+        unsupported(format!(
+            "DDS cannot hold {}: it is for KTX 2, which says how it is turned into others",
+            format.name()
+        ))
+    })?;
     let blocks = format.block_side() > 1;
+    if blocks && !(size.width.is_multiple_of(4) && size.height.is_multiple_of(4)) {
+        let name = format.name();
+        return Err(unsupported(format!("DDS with {name} has sides that are multiples of 4 texels, not {size}")));
+    }
     let row = size.width.div_ceil(format.block_side()) * format.block_bytes();
     // Rows in bits: the crate multiplies them in 32.
     u32::try_from(if blocks { format.bytes(*size) } else { 8 * row }).map_err(too_large)?;
@@ -33,7 +47,7 @@ pub fn write_dds(mut out: impl Write, texture: &Texture) -> io::Result<()> {
         size.height.try_into().map_err(too_large)?,
         size.width.try_into().map_err(too_large)?,
         None,
-        dxgi(*format),
+        dxgi,
         Some(levels.len() as u32),
         None,
         None,
@@ -42,30 +56,13 @@ pub fn write_dds(mut out: impl Write, texture: &Texture) -> io::Result<()> {
     // The crate adds what some readers take for a format without DX10 header: that texels are RGB, and their bits.
     header.spf =
         PixelFormat { flags: PixelFormatFlags::FOURCC, fourcc: Some(FourCC(FourCC::DX10)), ..PixelFormat::default() };
-    let header10 = Header10::new(dxgi(*format), false, D3D10ResourceDimension::Texture2D, 1, AlphaMode::Unknown);
+    let header10 = Header10::new(dxgi, false, D3D10ResourceDimension::Texture2D, 1, AlphaMode::Unknown);
     let head = Dds { header, header10: Some(header10), data: Vec::new() };
     head.write(&mut out).map_err(io::Error::other)?;
     for level in levels {
         out.write_all(level)?;
     }
     out.flush()
-}
-
-fn dxgi(format: TexelFormat) -> DxgiFormat {
-    match format {
-        TexelFormat::R8 => DxgiFormat::R8_UNorm,
-        TexelFormat::Rg8 => DxgiFormat::R8G8_UNorm,
-        TexelFormat::Rgba8 => DxgiFormat::R8G8B8A8_UNorm,
-        TexelFormat::R16 => DxgiFormat::R16_UNorm,
-        TexelFormat::Rg16 => DxgiFormat::R16G16_UNorm,
-        TexelFormat::Rgba16 => DxgiFormat::R16G16B16A16_UNorm,
-        TexelFormat::R16f => DxgiFormat::R16_Float,
-        TexelFormat::Rg16f => DxgiFormat::R16G16_Float,
-        TexelFormat::Rgba16f => DxgiFormat::R16G16B16A16_Float,
-        TexelFormat::Bc4 => DxgiFormat::BC4_UNorm,
-        TexelFormat::Bc5 => DxgiFormat::BC5_UNorm,
-        TexelFormat::Bc7 => DxgiFormat::BC7_UNorm,
-    }
 }
 
 const SUPPORTED: &str = "one 2D texture of 8 or 16 bit, half or float, BC1, BC3, BC4, BC5 or BC7";
@@ -139,7 +136,7 @@ fn size(source: &Source, header: &Header, header10: Option<&Header10>) -> Result
 /// How texels of a `DXGI_FORMAT` lie, and whether they are sRGB.
 fn modern_layout(format: DxgiFormat) -> Option<(Layout, bool)> {
     let plain = |kind, channels| (Layout::plain(kind, channels), false);
-    if let Some(format) = TexelFormat::all().find(|known| dxgi(*known) as u32 == format as u32) {
+    if let Some(format) = TexelFormat::all().find(|known| known.dxgi_format() == Some(format as u32)) {
         return Some((format.layout(), false));
     }
     Some(match format {
@@ -209,13 +206,15 @@ fn legacy_layout(pixels: &PixelFormat) -> Option<Layout> {
     }
     let bits = pixels.rgb_bit_count.filter(|bits| matches!(bits, 8 | 16 | 24 | 32))?;
     let masks = [pixels.r_bit_mask, pixels.g_bit_mask, pixels.b_bit_mask, pixels.a_bit_mask.filter(|_| alpha)];
-    let masks: Vec<u32> = masks.into_iter().flatten().filter(|mask| *mask != 0).collect();
+    let mut masks: Vec<u32> = masks.map(Option::unwrap_or_default).to_vec();
+    while masks.pop_if(|mask| *mask == 0).is_some() {}
     if masks == [0xffff, 0xffff_0000] && bits == 32 {
         return Some(Layout::plain(Kind::Unorm16, 2));
     }
     if masks == [0xffff] && bits == 16 {
         return Some(Layout::plain(Kind::Unorm16, 1));
     }
+    // (A mask of 0 before another is no byte: red and blue are no red and green.)
     let byte = |mask: &u32| (0..bits as u8 / 8).find(|i| *mask == 0xff << (8 * i));
     let order: Vec<u8> = masks.iter().map(byte).collect::<Option<_>>()?;
     (!order.is_empty()).then(|| Layout::ordered(Kind::Unorm8, bits as usize / 8, &order))

@@ -4,18 +4,21 @@
 //! some damaged files. The bounds of everything are checked here first.
 
 use std::io::{self, Read, Write};
+use std::num::NonZeroU8;
 
-use ::ktx2::dfd::{Basic, Block};
-use ::ktx2::{Format, Header, Index, KeyValueDataIterator, LevelIndex, SupercompressionScheme, TransferFunction};
+use ::ktx2::dfd::{Basic, Block, ChannelTypeQualifiers, DataFormatFlags, SampleInformation};
+use ::ktx2::{
+    ColorModel, Format, Header, Index, KeyValueDataIterator, LevelIndex, SupercompressionScheme, TransferFunction,
+};
 use miniz_oxide::inflate::decompress_to_vec_zlib_with_limit;
 use rayon::prelude::*;
 use ruzstd::decoding::StreamingDecoder;
 use ruzstd::encoding::{CompressionLevel, compress_to_vec};
 
 use super::layout::{Kind, Layout};
-use super::{TexelFormat, Texture};
+use super::{TexelFormat, Texture, uastc};
 use crate::codec::Source;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::image::{Raster, Size};
 
 const WRITER: &str = concat!("mipfold ", env!("CARGO_PKG_VERSION"));
@@ -29,20 +32,25 @@ const ZLIB_BOUND: u64 = 1032;
 /// Writes a KTX 2 file: one 2D picture with its levels, linear, primaries unspecified, rows from the top (`KTXorientation`
 /// `rd`). With `zstd`, each level is compressed by itself, if only at Zstandard's fastest level.
 ///
+/// UASTC is as `KHR_texture_basisu` of glTF has it, which asks for sides of level 0 that are multiples of 4, too; it is
+/// said to have no alpha if no block has.
+///
 /// # Errors
-/// Whatever `out` returns; [`io::ErrorKind::Unsupported`] for sides beyond 2^32.
+/// Whatever `out` returns; [`io::ErrorKind::InvalidInput`] if the levels are not those of the size and the format;
+/// [`io::ErrorKind::Unsupported`] for sides beyond 2^32.
 pub fn write_ktx2(mut out: impl Write, texture: &Texture, zstd: bool) -> io::Result<()> {
+    texture.check()?;
     let packed: Vec<Vec<u8>> =
         if zstd { texture.levels.par_iter().map(|level| compress(level)).collect() } else { Vec::new() };
     let levels = if zstd { &packed } else { &texture.levels };
 
-    let descriptor = descriptor(texture.format);
+    let descriptor = descriptor(texture);
     let values = [entry("KTXorientation", "rd"), entry("KTXwriter", WRITER)].concat();
     let descriptor_at = Header::LENGTH + levels.len() * LevelIndex::LENGTH;
     let values_at = descriptor_at + descriptor.len();
     let too_large = |_| io::Error::new(io::ErrorKind::Unsupported, format!("KTX cannot hold {} texels", texture.size));
     let header = Header {
-        format: Format::new(texture.format.vk_format()),
+        format: texture.format.vk_format().and_then(Format::new),
         type_size: type_size(texture.format),
         pixel_width: texture.size.width.try_into().map_err(too_large)?,
         pixel_height: texture.size.height.try_into().map_err(too_large)?,
@@ -98,15 +106,46 @@ fn type_size(format: TexelFormat) -> u32 {
 }
 
 /// The data format descriptor with its length.
-fn descriptor(format: TexelFormat) -> Vec<u8> {
-    let number = Format::new(format.vk_format()).expect("no format has the number 0");
+fn descriptor(texture: &Texture) -> Vec<u8> {
     let linear = Some(TransferFunction::Linear);
-    let (mut basic, _) = Basic::from_format_with(number, false, linear, None, None).expect("a common format");
+    let mut basic = match texture.format.vk_format().and_then(Format::new) {
+        Some(number) => Basic::from_format_with(number, false, linear, None, None).expect("a common format").0,
+        None => universal_descriptor(texture),
+    };
     // Not the primaries of a display: these are no colours.
     basic.color_primaries = None;
     let block = Block::Basic(basic).to_vec();
     [&(block.len() as u32 + 4).to_le_bytes(), block.as_slice()].concat()
 }
+
+/// Of UASTC: one sample of 128 bit, whatever its channels are (KTX 2.0.4, 3.10.2; Khronos Data Format 1.4, 5.6.15).
+fn universal_descriptor(texture: &Texture) -> Basic {
+    let has_alpha = texture.levels.par_iter().any(|level| level.as_chunks().0.iter().any(uastc::has_alpha));
+    let side = NonZeroU8::new(4).expect("4 is not 0");
+    let one = NonZeroU8::MIN;
+    Basic {
+        color_model: Some(ColorModel::UASTC),
+        color_primaries: None,
+        transfer_function: Some(TransferFunction::Linear),
+        flags: DataFormatFlags::STRAIGHT_ALPHA,
+        texel_block_dimensions: [side, side, one, one],
+        bytes_planes: [16, 0, 0, 0, 0, 0, 0, 0],
+        sample_information: vec![SampleInformation {
+            bit_offset: 0,
+            bit_length: NonZeroU8::new(128).expect("128 is not 0"),
+            channel_type: if has_alpha { RGBA } else { RGB },
+            channel_type_qualifiers: ChannelTypeQualifiers::empty(),
+            sample_positions: [0; 4],
+            lower: 0,
+            upper: u32::MAX,
+        }],
+    }
+}
+
+/// Channels of UASTC: of three, of four, and two of which the second is in alpha.
+const RGB: u8 = 0;
+const RGBA: u8 = 3;
+const RRRG: u8 = 5;
 
 /// A key and a text, with their length, filled up to a multiple of 4.
 fn entry(key: &str, value: &str) -> Vec<u8> {
@@ -129,14 +168,14 @@ fn compress(level: &[u8]) -> Vec<u8> {
     frame
 }
 
-const SUPPORTED: &str = "one 2D picture of 8 or 16 bit, half or float, BC1, BC3, BC4, BC5 or BC7, plain or with Zstandard \
-     or zlib";
+const SUPPORTED: &str = "one 2D picture of 8 or 16 bit, half or float, BC1, BC3, BC4, BC5, BC7 or UASTC, plain or with \
+     Zstandard or zlib";
 
 /// How texels of a `VkFormat` lie, and whether they are sRGB.
 fn layout(number: u32) -> Option<(Layout, bool)> {
     let plain = |kind, channels| (Layout::plain(kind, channels), false);
     let srgb = |layout| (layout, true);
-    if let Some(format) = TexelFormat::all().find(|format| format.vk_format() == number) {
+    if let Some(format) = TexelFormat::all().find(|format| format.vk_format() == Some(number)) {
         return Some((format.layout(), false));
     }
     // The same numbers as Vulkan's enumeration; UINT of 8 bit stands for linear data where UNORM is refused (Godot).
@@ -197,14 +236,18 @@ pub(in crate::codec) fn decode(source: &Source, count: usize) -> Result<(Vec<Ras
         None => Packing::Plain,
         Some(SupercompressionScheme::Zstandard) => Packing::Zstd,
         Some(SupercompressionScheme::ZLIB) => Packing::Zlib,
-        Some(SupercompressionScheme::BasisLZ) => return Err(universal(source)),
+        Some(SupercompressionScheme::BasisLZ) => return Err(source.unsupported(ETC1S, SUPPORTED)),
         Some(other) => return Err(source.unsupported(format!("supercompression {other:?}"), SUPPORTED)),
     };
-    let Some(format) = header.format else { return Err(universal(source)) };
-    let (layout, srgb) = layout(format.value())
-        .ok_or_else(|| source.unsupported(format!("texels of VkFormat {}, {format:?}", format.value()), SUPPORTED))?;
+    let (layout, srgb) = match header.format {
+        Some(format) => layout(format.value()).ok_or_else(|| {
+            source.unsupported(format!("texels of VkFormat {}, {format:?}", format.value()), SUPPORTED)
+        })?,
+        None => (described_layout(source, &header)?, false),
+    };
     let levels = levels(source, &header, size, layout, packing)?;
-    source.memory(size, layout.sample_bytes() * if count > 1 { 2 } else { 1 })?;
+    let unpacked = if packing == Packing::Plain { 0 } else { layout.bytes(size).div_ceil(size.texels()) };
+    source.memory(size, layout.sample_bytes() * if count > 1 { 2 } else { 1 } + unpacked)?;
 
     let mut rasters = Vec::new();
     for (k, data) in levels.into_iter().take(count).enumerate() {
@@ -214,13 +257,37 @@ pub(in crate::codec) fn decode(source: &Source, count: usize) -> Result<(Vec<Ras
             Packing::Zstd => Some(unpack_zstd(source, k, data, layout.bytes(size))?),
             Packing::Zlib => Some(unpack_zlib(source, k, data, layout.bytes(size))?),
         };
-        rasters.push(layout.decode(unpacked.as_deref().unwrap_or(data), size));
+        let data = unpacked.as_deref().unwrap_or(data);
+        if let Some(block) = layout.no_block(data) {
+            return Err(source.broken(format!("block {block} of level {k} is none of UASTC")));
+        }
+        rasters.push(layout.decode(data, size));
     }
     Ok((rasters, notes(source, &header, srgb)))
 }
 
-fn universal(source: &Source) -> Error {
-    source.unsupported("texels of Basis Universal (ETC1S or UASTC)", SUPPORTED)
+const ETC1S: &str = "texels of Basis Universal's ETC1S";
+
+/// How texels without a `VkFormat` lie: by the colour model of the descriptor.
+fn described_layout(source: &Source, header: &Header) -> Result<Layout> {
+    let descriptor = section(source, header.index.dfd_byte_offset, header.index.dfd_byte_length);
+    match descriptor.get(MODEL_AT).and_then(|model| ColorModel::new(*model)) {
+        Some(ColorModel::UASTC) => Ok(Layout::plain(Kind::Uastc, 4)),
+        Some(ColorModel::ETC1S) => Err(source.unsupported(ETC1S, SUPPORTED)),
+        Some(other) => Err(source.unsupported(format!("texels of no VkFormat and colour model {other:?}"), SUPPORTED)),
+        None => Err(source.unsupported("texels of no VkFormat and no colour model", SUPPORTED)),
+    }
+}
+
+/// In a descriptor: the colour model, after its length and two words of a block's header; the transfer function; and
+/// the channel of the first sample.
+const MODEL_AT: usize = 12;
+const TRANSFER_AT: usize = 14;
+const CHANNEL_AT: usize = 31;
+
+/// As much of a section as there is.
+fn section<'a>(source: &Source<'a>, from: u32, length: u32) -> &'a [u8] {
+    source.bytes.get(from as usize..).map_or(&[][..], |rest| &rest[..rest.len().min(length as usize)])
 }
 
 /// The size of level 0, of a file that is one 2D picture.
@@ -311,21 +378,29 @@ fn unpack_zlib(source: &Source, level: usize, data: &[u8], length: usize) -> Res
     if unpacked.len() == length { Ok(unpacked) } else { Err(fail(&format!("it does not unpack to {length} bytes"))) }
 }
 
-/// What the file says about itself and is not obeyed.
+/// What the file says about itself and is not obeyed; each once, as a key has one value.
 fn notes(source: &Source, header: &Header, srgb: bool) -> Vec<String> {
-    let section = |from: u32, length: u32| {
-        source.bytes.get(from as usize..).map_or(&[][..], |rest| &rest[..rest.len().min(length as usize)])
-    };
     let Index { dfd_byte_offset, dfd_byte_length, kvd_byte_offset, kvd_byte_length, .. } = header.index;
-    // Length, two words of a block's header, model, primaries, transfer function.
-    let transfer = section(dfd_byte_offset, dfd_byte_length).get(14).copied();
+    let descriptor = section(source, dfd_byte_offset, dfd_byte_length);
     let mut notes = Vec::new();
-    if srgb || transfer == Some(TransferFunction::SRGB.value()) {
+    if srgb || descriptor.get(TRANSFER_AT) == Some(&TransferFunction::SRGB.value()) {
         notes.push("KTX 2 says its data is sRGB: ignored, data is taken as linear".to_owned());
     }
-    for (key, value) in KeyValueDataIterator::new(section(kvd_byte_offset, kvd_byte_length)) {
-        let text = String::from_utf8_lossy(value);
+    if header.format.is_none() && descriptor.get(CHANNEL_AT).is_some_and(|channel| channel & 15 == RRRG) {
+        notes.push("KTX 2 has its second channel in alpha: left there".to_owned());
+    }
+    let mut seen = Vec::new();
+    for (key, value) in KeyValueDataIterator::new(section(source, kvd_byte_offset, kvd_byte_length)) {
+        if seen.contains(&key) {
+            continue;
+        }
+        // (Longer ones than `rdo` and `rgba` are wrong.)
+        let text = String::from_utf8_lossy(&value[..value.len().min(16)]);
         let text = text.trim_end_matches('\0');
+        match key {
+            "KTXorientation" | "KTXswizzle" => seen.push(key),
+            _ => continue,
+        }
         match key {
             "KTXorientation" if text != "rd" => {
                 notes.push(format!("KTX 2 asks to be turned or mirrored (orientation {text:?}): ignored"));

@@ -4,6 +4,7 @@ use half::f16;
 use ndarray::Array3;
 use rayon::prelude::*;
 
+use super::uastc;
 use crate::image::{Raster, Samples, Size};
 
 /// How the samples of a texel, or of a block, are stored.
@@ -22,6 +23,7 @@ pub(super) enum Kind {
     Bc5,
     Bc5Signed,
     Bc7,
+    Uastc,
 }
 
 impl Kind {
@@ -32,7 +34,7 @@ impl Kind {
             Kind::Unorm16 | Kind::Snorm16 | Kind::Half => 2,
             Kind::Float => 4,
             Kind::Bc1 | Kind::Bc4 | Kind::Bc4Signed => 8,
-            Kind::Bc3 | Kind::Bc5 | Kind::Bc5Signed | Kind::Bc7 => 16,
+            Kind::Bc3 | Kind::Bc5 | Kind::Bc5Signed | Kind::Bc7 | Kind::Uastc => 16,
         }
     }
 
@@ -92,10 +94,18 @@ impl Layout {
     pub(super) fn sample_bytes(self) -> usize {
         self.channels
             * match self.kind {
-                Kind::Unorm8 | Kind::Bc1 | Kind::Bc3 | Kind::Bc7 => 1,
+                Kind::Unorm8 | Kind::Bc1 | Kind::Bc3 | Kind::Bc7 | Kind::Uastc => 1,
                 Kind::Unorm16 | Kind::Bc4 | Kind::Bc5 => 2,
                 _ => 4,
             }
+    }
+
+    /// The first block that is none, of a format that does not give every one a meaning.
+    pub(super) fn no_block(self, bytes: &[u8]) -> Option<usize> {
+        match self.kind {
+            Kind::Uastc => bytes.as_chunks::<16>().0.par_iter().position_first(|block| !uastc::is_valid(block)),
+            _ => None,
+        }
     }
 
     /// The samples: 8 and 16 bit as they are, signed integers and floats as floats, BC4 and BC5 as 16 bit.
@@ -112,6 +122,10 @@ impl Layout {
             Kind::Bc1 => Samples::U8(self.blocks(bytes, size, 4, |block, out| bcdec_rs::bc1(block, out, 16))),
             Kind::Bc3 => Samples::U8(self.blocks(bytes, size, 4, |block, out| bcdec_rs::bc3(block, out, 16))),
             Kind::Bc7 => Samples::U8(self.blocks(bytes, size, 4, |block, out| bcdec_rs::bc7(block, out, 16))),
+            Kind::Uastc => Samples::U8(self.blocks(bytes, size, 4, |block, out| {
+                let block = block.first_chunk().expect("a block has 16 bytes");
+                out.copy_from_slice(uastc::decode(block).as_flattened());
+            })),
             Kind::Bc4 | Kind::Bc5 => Samples::U16(self.blocks(bytes, size, self.stored, |block, out| {
                 let mut values = [0.0; 32];
                 self.channel_blocks(block, &mut values);

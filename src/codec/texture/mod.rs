@@ -12,6 +12,7 @@
 //! | `Bc4` | 1 channel in blocks of 4x4 | 1/2 |
 //! | `Bc5` | 2 channels, each a BC4 block | 1 |
 //! | `Bc7` | 3 or 4 channels in blocks of 4x4 | 1 |
+//! | `Uastc` | likewise; only in KTX 2, and turned into another of these when loaded | 1 |
 //!
 //! What that costs normals, on made-up bumps of 256x256 texels (24 waves, the shortest 11 texels long, slopes of 0.25 root
 //! mean square, and three dents), against normals that are not rounded at all; the tests hold these figures:
@@ -30,8 +31,10 @@
 //! alpha of 1, and what the format has no place for is dropped. Integers that the format has fewer bits for are rounded;
 //! floats outside 0 to 1 are clamped where the format is `UNORM`.
 
+use std::io;
 use std::ops::Range;
 
+use ddsfile::DxgiFormat;
 use half::f16;
 use half::slice::HalfFloatSliceExt;
 use rayon::prelude::*;
@@ -43,6 +46,7 @@ mod bc7;
 mod dds;
 mod ktx2;
 mod layout;
+mod uastc;
 
 #[cfg(test)]
 mod tests;
@@ -82,39 +86,43 @@ pub enum TexelFormat {
     Bc5,
     /// Four channels, block-compressed, of 8 bit or less.
     Bc7,
+    /// Four channels, block-compressed, of 8 bit or less: UASTC LDR 4x4, which no GPU samples but which is quickly turned
+    /// into what it does. Only KTX 2 holds it.
+    Uastc,
 }
 
-/// What is to be known about a format: its name, its numbers in `VkFormat` and `DXGI_FORMAT`, and its samples.
+/// What is to be known about a format: its name, what it is in `VkFormat` (0: nothing) and `DXGI_FORMAT`, and its samples.
 struct Facts {
     format: TexelFormat,
     name: &'static str,
     vulkan: u32,
-    dxgi: u32,
+    dxgi: Option<DxgiFormat>,
     channels: usize,
     kind: Kind,
 }
 
 /// All formats. Vulkan 1.3, `VkFormat`; Windows SDK, `dxgiformat.h`.
 #[rustfmt::skip]
-static FORMATS: [Facts; 12] = {
+static FORMATS: [Facts; 13] = {
     const fn facts(
-        format: TexelFormat, name: &'static str, vulkan: u32, dxgi: u32, channels: usize, kind: Kind,
+        format: TexelFormat, name: &'static str, vulkan: u32, dxgi: DxgiFormat, channels: usize, kind: Kind,
     ) -> Facts {
-        Facts { format, name, vulkan, dxgi, channels, kind }
+        Facts { format, name, vulkan, dxgi: Some(dxgi), channels, kind }
     }
     [
-        facts(TexelFormat::R8,      "r8",        9, 61, 1, Kind::Unorm8),
-        facts(TexelFormat::Rg8,     "rg8",      16, 49, 2, Kind::Unorm8),
-        facts(TexelFormat::Rgba8,   "rgba8",    37, 28, 4, Kind::Unorm8),
-        facts(TexelFormat::R16,     "r16",      70, 56, 1, Kind::Unorm16),
-        facts(TexelFormat::Rg16,    "rg16",     77, 35, 2, Kind::Unorm16),
-        facts(TexelFormat::Rgba16,  "rgba16",   91, 11, 4, Kind::Unorm16),
-        facts(TexelFormat::R16f,    "r16f",     76, 54, 1, Kind::Half),
-        facts(TexelFormat::Rg16f,   "rg16f",    83, 34, 2, Kind::Half),
-        facts(TexelFormat::Rgba16f, "rgba16f",  97, 10, 4, Kind::Half),
-        facts(TexelFormat::Bc4,     "bc4",     139, 80, 1, Kind::Bc4),
-        facts(TexelFormat::Bc5,     "bc5",     141, 83, 2, Kind::Bc5),
-        facts(TexelFormat::Bc7,     "bc7",     145, 98, 4, Kind::Bc7),
+        facts(TexelFormat::R8,      "r8",        9, DxgiFormat::R8_UNorm,           1, Kind::Unorm8),
+        facts(TexelFormat::Rg8,     "rg8",      16, DxgiFormat::R8G8_UNorm,         2, Kind::Unorm8),
+        facts(TexelFormat::Rgba8,   "rgba8",    37, DxgiFormat::R8G8B8A8_UNorm,     4, Kind::Unorm8),
+        facts(TexelFormat::R16,     "r16",      70, DxgiFormat::R16_UNorm,          1, Kind::Unorm16),
+        facts(TexelFormat::Rg16,    "rg16",     77, DxgiFormat::R16G16_UNorm,       2, Kind::Unorm16),
+        facts(TexelFormat::Rgba16,  "rgba16",   91, DxgiFormat::R16G16B16A16_UNorm, 4, Kind::Unorm16),
+        facts(TexelFormat::R16f,    "r16f",     76, DxgiFormat::R16_Float,          1, Kind::Half),
+        facts(TexelFormat::Rg16f,   "rg16f",    83, DxgiFormat::R16G16_Float,       2, Kind::Half),
+        facts(TexelFormat::Rgba16f, "rgba16f",  97, DxgiFormat::R16G16B16A16_Float, 4, Kind::Half),
+        facts(TexelFormat::Bc4,     "bc4",     139, DxgiFormat::BC4_UNorm,          1, Kind::Bc4),
+        facts(TexelFormat::Bc5,     "bc5",     141, DxgiFormat::BC5_UNorm,          2, Kind::Bc5),
+        facts(TexelFormat::Bc7,     "bc7",     145, DxgiFormat::BC7_UNorm,          4, Kind::Bc7),
+        Facts { format: TexelFormat::Uastc, name: "uastc", vulkan: 0, dxgi: None, channels: 4, kind: Kind::Uastc },
     ]
 };
 
@@ -143,14 +151,14 @@ impl TexelFormat {
         self.facts().channels
     }
 
-    /// Its number in Vulkan's `VkFormat`, as KTX 2 has it.
-    pub fn vk_format(self) -> u32 {
-        self.facts().vulkan
+    /// Its number in Vulkan's `VkFormat`, as KTX 2 has it; none for UASTC, which a data format descriptor tells.
+    pub fn vk_format(self) -> Option<u32> {
+        Some(self.facts().vulkan).filter(|number| *number > 0)
     }
 
-    /// Its number in Direct3D's `DXGI_FORMAT`, as DDS has it.
-    pub fn dxgi_format(self) -> u32 {
-        self.facts().dxgi
+    /// Its number in Direct3D's `DXGI_FORMAT`, as DDS has it; none for UASTC, which DDS cannot hold.
+    pub fn dxgi_format(self) -> Option<u32> {
+        self.facts().dxgi.map(|format| format as u32)
     }
 
     /// Texels along each side of a block: 4, or 1 where texels stand alone.
@@ -210,6 +218,26 @@ impl Texture {
         }
         Self { size, format, levels: levels.iter().map(|level| encode(level, format, effort)).collect() }
     }
+
+    /// That there are levels, as many as the size may have or fewer, each as long as it must be.
+    fn check(&self) -> io::Result<()> {
+        let Self { size, format, levels } = self;
+        let wrong = |what: String| Err(io::Error::new(io::ErrorKind::InvalidInput, what));
+        if size.width == 0 || size.height == 0 {
+            return wrong(format!("a texture of {size} texels"));
+        }
+        if levels.is_empty() || levels.len() > size.level_count() {
+            return wrong(format!("{} levels, where {size} texels have 1 to {}", levels.len(), size.level_count()));
+        }
+        for (k, level) in levels.iter().enumerate() {
+            let (length, needed) = (level.len(), format.bytes(size.level(k)));
+            if length != needed {
+                let (size, name) = (size.level(k), format.name());
+                return wrong(format!("level {k} of {size} texels in {name} has {length} bytes, not {needed}"));
+            }
+        }
+        Ok(())
+    }
 }
 
 /// Encodes one picture. Rows of blocks are shared between threads; the bytes do not depend on their number.
@@ -227,6 +255,7 @@ pub fn encode(raster: &Raster, format: TexelFormat, effort: Effort) -> Vec<u8> {
         match facts.kind {
             Kind::Bc4 | Kind::Bc5 => channel_blocks(raster, facts.channels, y, bytes),
             Kind::Bc7 => bc7::encode(&strip(raster, y), opaque, effort, bytes),
+            Kind::Uastc => uastc::encode(&strip(raster, y), effort, bytes),
             kind => plain_row(raster, facts.channels, kind, y, bytes),
         }
     });

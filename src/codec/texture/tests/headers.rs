@@ -56,6 +56,8 @@ fn every_descriptor_fits_its_format() {
         (131, 1, vec![(0, 64, 0, 0, u32::MAX)]),
         (132, 1, vec![(0, 64, 0, 0, u32::MAX), (64, 64, 1, 0, u32::MAX)]),
         (134, 1, vec![(0, 128, 0, 0, u32::MAX)]),
+        // With alpha.
+        (166, 1, vec![(0, 128, 3, 0, u32::MAX)]),
     ];
     for (format, (model, type_size, samples)) in TexelFormat::all().zip(expected) {
         let file = ktx2_of(&texture(Size::new(8, 8), format), false);
@@ -67,8 +69,20 @@ fn every_descriptor_fits_its_format() {
             expected.extend([offset | (bits - 1) << 16 | channel << 24, 0, least, most]);
         }
         assert_eq!(file[at..at + 4 * expected.len()], words(&expected), "{format:?}");
-        assert_eq!(file[12..20], words(&[format.vk_format(), type_size]), "{format:?}");
+        assert_eq!(file[12..20], words(&[format.vk_format().unwrap_or(0), type_size]), "{format:?}");
     }
+}
+
+#[test]
+fn uastc_without_alpha_says_so() {
+    let channel = |alpha: u8| {
+        let samples =
+            Array3::from_shape_fn((8, 8, 4), |(y, x, c)| if c == 3 { 255 } else { (9 * x + 3 * y + c) as u8 });
+        let solid = Array3::from_shape_fn((4, 4, 4), |(_, _, c)| if c == 3 { alpha } else { 9 });
+        let levels = [Raster::new(Samples::U8(samples)), Raster::new(Samples::U8(solid))];
+        ktx2_of(&Texture::encode(&levels, TexelFormat::Uastc, Effort::Fast), false)[80 + 2 * 24 + 31]
+    };
+    assert_eq!([channel(255), channel(254)], [0, 3]);
 }
 
 /// Multiples of a block, of 4 at least; or none where packed.
@@ -123,10 +137,10 @@ fn a_dds_header_byte_by_byte() {
     let one = Texture { levels: chain(TexelFormat::R8).levels[..1].to_vec(), ..chain(TexelFormat::R8) };
     assert_eq!(start(&one), header(0x100f, 64, 1, 0x1000, 61));
 
-    for format in TexelFormat::all() {
+    for (format, number) in TexelFormat::all().filter_map(|format| Some((format, format.dxgi_format()?))) {
         let texture = texture(size, format);
         let file = dds_of(&texture);
-        assert_eq!(file[128..132], format.dxgi_format().to_le_bytes(), "{format:?}");
+        assert_eq!(file[128..132], number.to_le_bytes(), "{format:?}");
         assert_eq!(file[148..], texture.levels.concat());
     }
 }

@@ -87,6 +87,11 @@ fn further_dds_formats_are_read() {
     assert_eq!(masked(0x2, 8, [0, 0, 0, 0xff], &[50]), [50]);
     assert_eq!(texel(&of(0x40, &[0; 4], 32, [0xffff, 0xffff_0000, 0, 0], &[255, 255, 0, 0])), [1.0, 0.0]);
 
+    // Red and blue, or red and alpha, are no red and green.
+    for (flags, masks) in [(0x40, [r, 0, b, 0]), (0x41, [r, 0, 0, a]), (0x40, [0, g, b, 0])] {
+        assert!(message(dds((1, 1), flags, 0, 32, masks, &[0; 4])).contains("32 bit with masks"), "{masks:x?}");
+    }
+
     let ends = [255, 0, 0, 0, 0, 0, 0, 0];
     for code in [b"ATI1", b"BC4U"] {
         assert_eq!(texel(&of(4, code, 0, [0; 4], &ends)), [1.0]);
@@ -142,6 +147,46 @@ fn what_a_ktx_2_file_asks_for_is_said() {
 }
 
 #[test]
+fn what_a_ktx_2_file_repeats_is_said_once() {
+    let mut file = ktx2_of(&texture(Size::new(4, 4), TexelFormat::R8), false);
+    let entries: Vec<u8> = [&b"\x14\0\0\0KTXorientation\0lurd\0"[..]; 500].concat();
+    let at = file.len() as u32;
+    file.extend(&entries);
+    put(&mut file, 56, at);
+    put(&mut file, 60, entries.len() as u32);
+    assert_eq!(first(file).notes, ["KTX 2 asks to be turned or mirrored (orientation \"lurd\"): ignored"]);
+}
+
+#[test]
+fn a_uastc_file_that_lies_is_an_error() {
+    let whole = ktx2_of(&texture(Size::new(16, 8), TexelFormat::Uastc), false);
+    let descriptor = 80 + 5 * 24;
+    let with = |change: &dyn Fn(&mut Vec<u8>)| {
+        let mut file = whole.clone();
+        change(&mut file);
+        file
+    };
+    let level_0 = whole.len() - 8 * 16;
+    // A mode that there is not, and a pattern.
+    let nothing = message(with(&|file| file[level_0 + 16 * 3] = 0x45));
+    assert!(nothing.contains("block 3 of level 0 is none of UASTC"), "{nothing}");
+    let pattern = message(with(&|file| put(file, level_0 + 16 * 7, 0x13 | 30 << 20)));
+    assert!(pattern.contains("block 7 of level 0 is none of UASTC"), "{pattern}");
+    let last = message(with(&|file| file[level_0 - 16] = 0x45));
+    assert!(last.contains("block 0 of level 1 is none of UASTC"), "{last}");
+
+    let model = |model: u8| message(with(&|file| file[descriptor + 12] = model));
+    assert!(model(163).contains("texels of Basis Universal's ETC1S is not supported"), "{}", model(163));
+    assert!(model(162).contains("of no VkFormat and colour model ASTC is not supported"), "{}", model(162));
+    assert!(model(0).contains("of no VkFormat and no colour model is not supported"), "{}", model(0));
+    let cut = message(with(&|file| put(file, 52, 8)));
+    assert!(cut.contains("of no VkFormat and no colour model is not supported"), "{cut}");
+
+    let split = first(with(&|file| file[descriptor + 31] = 5));
+    assert_eq!(split.notes, ["KTX 2 has its second channel in alpha: left there"]);
+}
+
+#[test]
 fn a_ktx_2_file_that_lies_is_an_error() {
     let whole = ktx2_of(&texture(Size::new(64, 16), TexelFormat::Bc5), false);
     let with = |at: usize, value: u32| {
@@ -153,7 +198,7 @@ fn a_ktx_2_file_that_lies_is_an_error() {
         let message = with(at, value);
         assert!(message.contains(expected), "{message}");
     };
-    found(12, 0, "KTX 2 with texels of Basis Universal (ETC1S or UASTC) is not supported");
+    found(12, 0, "KTX 2 with texels of no VkFormat and colour model BC5 is not supported");
     found(12, 143, "KTX 2 with texels of VkFormat 143, BC6H_UFLOAT_BLOCK is not supported");
     found(12, 4_000_000, "texels of VkFormat 4000000");
     found(20, 0, "KTX 2 data that cannot be decoded (zero pixel width)");
@@ -216,7 +261,7 @@ fn a_dds_file_that_lies_is_an_error() {
 
 #[test]
 fn a_file_cut_short_is_an_error_wherever_it_ends() {
-    let texture = texture(Size::new(5, 3), TexelFormat::Bc5);
+    let texture = texture(Size::new(8, 4), TexelFormat::Bc5);
     for file in [ktx2_of(&texture, false), ktx2_of(&texture, true), dds_of(&texture)] {
         for keep in 12..file.len() {
             assert!(message(file[..keep].to_vec()).contains("expected"), "{keep} of {}", file.len());
@@ -228,7 +273,8 @@ fn a_file_cut_short_is_an_error_wherever_it_ends() {
 fn files() -> Vec<Vec<u8>> {
     let of = |format| texture(Size::new(20, 12), format);
     let formats = [TexelFormat::R8, TexelFormat::Rgba16f, TexelFormat::Bc5, TexelFormat::Bc7];
-    formats.into_iter().flat_map(|f| [ktx2_of(&of(f), false), ktx2_of(&of(f), true), dds_of(&of(f))]).collect()
+    let all = formats.into_iter().flat_map(|f| [ktx2_of(&of(f), false), ktx2_of(&of(f), true), dds_of(&of(f))]);
+    all.chain([false, true].map(|zstd| ktx2_of(&of(TexelFormat::Uastc), zstd))).collect()
 }
 
 proptest! {
@@ -237,7 +283,7 @@ proptest! {
     /// Whatever comes out, it is no panic, and an error names the file. Headers are short and matter most.
     #[test]
     fn damage_never_panics(
-        file in 0usize..12,
+        file in 0usize..14,
         edits in prop::collection::vec((0usize..4000, any::<u32>(), 0usize..3), 1..5),
         keep in prop::option::of(0usize..4000),
     ) {

@@ -27,7 +27,7 @@ fn picture(size: Size, format: TexelFormat) -> Raster {
     let shape = (size.height, size.width, format.channels());
     let names: &[&str] = if format.channels() == 1 { &["Y"] } else { &["R", "G", "B", "A"][..format.channels()] };
     let samples = match format.facts().kind {
-        Kind::Unorm8 | Kind::Bc7 => {
+        Kind::Unorm8 | Kind::Bc7 | Kind::Uastc => {
             Samples::U8(Array3::from_shape_fn(shape, |(y, x, c)| (255.0 * value(x, y, c)).round() as u8))
         }
         Kind::Half => {
@@ -48,6 +48,13 @@ fn ktx2_of(texture: &Texture, zstd: bool) -> Vec<u8> {
     let mut bytes = Vec::new();
     write_ktx2(&mut bytes, texture, zstd).unwrap();
     bytes
+}
+
+/// Not UASTC, and blocks only if they fill level 0.
+fn fits_dds(texture: &Texture) -> bool {
+    let Texture { size, format, .. } = texture;
+    let side = format.block_side();
+    format.dxgi_format().is_some() && size.width.is_multiple_of(side) && size.height.is_multiple_of(side)
 }
 
 fn dds_of(texture: &Texture) -> Vec<u8> {

@@ -10,8 +10,10 @@ fn sizes() -> impl Iterator<Item = Size> {
 fn every_format_comes_back_from_every_container() {
     for (format, size) in TexelFormat::all().flat_map(|format| sizes().map(move |size| (format, size))) {
         let texture = texture(size, format);
-        let files =
-            [("KTX 2", ktx2_of(&texture, false)), ("KTX 2", ktx2_of(&texture, true)), ("DDS", dds_of(&texture))];
+        let mut files = vec![("KTX 2", ktx2_of(&texture, false)), ("KTX 2", ktx2_of(&texture, true))];
+        if fits_dds(&texture) {
+            files.push(("DDS", dds_of(&texture)));
+        }
         for (name, file) in files {
             let levels = read_all(file.clone()).unwrap();
             assert_eq!(levels.len(), size.level_count());
@@ -46,7 +48,7 @@ fn padded(raster: &Raster, width: usize, height: usize) -> Raster {
 
 #[test]
 fn blocks_that_stick_out_repeat_the_border() {
-    for format in [TexelFormat::Bc4, TexelFormat::Bc5, TexelFormat::Bc7] {
+    for format in [TexelFormat::Bc4, TexelFormat::Bc5, TexelFormat::Bc7, TexelFormat::Uastc] {
         for (width, height) in [(1, 1), (5, 3), (2, 7), (9, 4)] {
             let raster = picture(Size::new(width, height), format);
             let whole = padded(&raster, width.next_multiple_of(4), height.next_multiple_of(4));
@@ -113,7 +115,7 @@ fn the_number_of_threads_changes_nothing() {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             pool.install(|| {
                 let texture = texture(size, format);
-                (ktx2_of(&texture, true), dds_of(&texture))
+                (ktx2_of(&texture, true), fits_dds(&texture).then(|| dds_of(&texture)))
             })
         };
         assert_eq!(on(1), on(3), "{format:?}");
@@ -128,8 +130,40 @@ fn names_lead_back_and_the_list_is_in_order() {
     }
     assert_eq!(TexelFormat::by_name("bc6h"), None);
     let bytes = |format: TexelFormat| format.bytes(Size::new(5, 3));
-    let expected = [15, 30, 60, 30, 60, 120, 30, 60, 120, 16, 32, 32];
+    let expected = [15, 30, 60, 30, 60, 120, 30, 60, 120, 16, 32, 32, 32];
     assert_eq!(TexelFormat::all().map(bytes).collect::<Vec<_>>(), expected);
+}
+
+#[test]
+fn writers_check_levels() {
+    let whole = texture(Size::new(8, 4), TexelFormat::Bc7);
+    let refused = |change: fn(&mut Texture), expected: &str| {
+        let mut texture = whole.clone();
+        change(&mut texture);
+        let written = [write_ktx2(Vec::new(), &texture, false), write_dds(Vec::new(), &texture)];
+        for error in written.map(|written| written.unwrap_err()) {
+            assert_eq!((error.kind(), error.to_string().as_str()), (io::ErrorKind::InvalidInput, expected));
+        }
+    };
+    refused(|texture| texture.levels.clear(), "0 levels, where 8x4 texels have 1 to 4");
+    refused(|texture| texture.levels.push(vec![0; 16]), "5 levels, where 8x4 texels have 1 to 4");
+    refused(|texture| texture.size.height = 0, "a texture of 8x0 texels");
+    refused(|texture| texture.levels[1].truncate(15), "level 1 of 4x2 texels in bc7 has 15 bytes, not 16");
+    refused(|texture| texture.format = TexelFormat::Bc4, "level 0 of 8x4 texels in bc4 has 32 bytes, not 16");
+}
+
+#[test]
+fn dds_refuses_what_it_cannot_hold() {
+    for (format, (width, height), expected) in [
+        (TexelFormat::Uastc, (8, 4), "DDS cannot hold uastc: "),
+        (TexelFormat::Bc4, (8, 6), "DDS with bc4 has sides that are multiples of 4 texels, not 8x6"),
+        (TexelFormat::Bc7, (1, 4), "DDS with bc7 has sides that are multiples of 4 texels, not 1x4"),
+    ] {
+        let mut bytes = Vec::new();
+        let error = write_dds(&mut bytes, &texture(Size::new(width, height), format)).unwrap_err();
+        assert_eq!((error.kind(), bytes.len()), (io::ErrorKind::Unsupported, 0));
+        assert!(error.to_string().starts_with(expected), "{error}");
+    }
 }
 
 #[test]
