@@ -11,6 +11,7 @@ use std::path::Path;
 
 use base64::prelude::{BASE64_STANDARD, Engine};
 use common::desk::Desk;
+use common::model::Scene;
 use common::{bump, encode8, manifest, png8, strings};
 use mipfold::codec::{read_levels, write_png};
 use mipfold::image::Raster;
@@ -135,4 +136,30 @@ fn three_draws_less_sparkle_with_our_mips() {
 fn numbers<const N: usize>(line: &str) -> [f64; N] {
     let numbers: Vec<f64> = line.split(' ').map(|number| number.parse().unwrap()).collect();
     numbers.try_into().unwrap()
+}
+
+/// A glTF model far away, before and after.
+#[test]
+fn three_loads_folded_models_and_draws_nearer_to_the_truth() {
+    let desk = Desk::empty();
+    let maps = (by_name("hammered-metal").unwrap().make)(256, 1);
+    let png = |raster: &Raster| {
+        let mut bytes = Vec::new();
+        write_png(&mut bytes, raster).unwrap();
+        bytes
+    };
+    let material = serde_json::json!({
+        "normalTexture": { "index": 0 },
+        "occlusionTexture": { "index": 1 },
+        "pbrMetallicRoughness": { "metallicRoughnessTexture": { "index": 1 }, "roughnessFactor": 0.6 },
+    });
+    let images = [("normal", png(&maps.normal)), ("orm", png(&maps.orm))];
+    desk.file("plain.glb", &Scene::new(serde_json::json!([material]), &images, serde_json::json!({})).glb());
+    desk.build("folded.glb", "@plain.glb");
+    let Some(Seen { found, console }) = open("model.html?plain.glb,folded.glb", &desk.at("")) else { return };
+    assert!(console.is_empty(), "{console:#?}");
+    assert_eq!(found["folded.glb maps"], "compressed 9, compressed 9, compressed 9");
+    let [plain, ours] = ["plain.glb", "folded.glb"].map(|name| numbers::<2>(&found[name])[0]);
+    println!("root mean square error of radiance, over its mean: {plain} plain, {ours} folded");
+    assert!(ours < 0.5 * plain, "{ours} against {plain}");
 }
