@@ -167,12 +167,6 @@ pub fn settings(
     }
     let words = words.into_iter().flat_map(|(word, _)| word.words).collect();
     let args = vocabulary.parse(words).map_err(|e| Error::invalid_option(name, reason(&e).0, reason(&e).1))?;
-    // What each option allows alone may not go together.
-    if let Err(error) = args.folding.options(args.moments) {
-        let files: Vec<_> = configs.iter().map(|config| config.name()).collect();
-        let of = if files.is_empty() { name.to_owned() } else { format!("{name} (options of {})", files.join(", ")) };
-        return Err(Error::invalid_option(of, error.to_string(), "options that go together"));
-    }
     Ok(Settings { args, skipped, notes })
 }
 
