@@ -171,7 +171,7 @@ fn shrunk(folder: &Path, desk: &Desk) -> String {
 fn two_channel_normals_leave_room_for_z() {
     let desk = Desk::empty();
     // On the rim and beyond, as noise.
-    let side = |x: usize, y: usize, k: usize| ((x * 73 + y * 151 + k * 97) * 2_654_435_761 >> 7) as u8;
+    let side = |x: usize, y: usize, k: usize| (((x * 73 + y * 151 + k * 97) * 2_654_435_761) >> 7) as u8;
     png8(&desk.at("n.png"), (64, 64), |x, y| vec![side(x, y, 1), side(x, y, 2), 140]);
     let out = desk.build("out", "--normal @n.png --roughness 0.5 --format dds");
     for level in levels_of(&out.join("n.dds")) {

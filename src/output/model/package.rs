@@ -27,6 +27,9 @@ const ALIGNMENT: usize = 16;
 /// Extensions of buffer views that place data, with members like a view's own.
 const PLACING: [&str; 2] = ["EXT_meshopt_compression", "KHR_meshopt_compression"];
 
+/// The bytes of a model, and the files beside it by their names.
+pub type Whole = (Vec<u8>, Vec<(String, Beside)>);
+
 /// A file beside the model.
 #[derive(Debug)]
 pub enum Beside {
@@ -136,7 +139,7 @@ impl<'a> Package<'a> {
     }
 
     /// The whole file; `edits` has the changes of everything but views and buffers. `stem` names files of buffers.
-    pub fn finish(mut self, mut edits: Edits<'a>, stem: &str) -> Result<(Vec<u8>, Vec<(String, Beside)>)> {
+    pub fn finish(mut self, mut edits: Edits<'a>, stem: &str) -> Result<Whole> {
         let path = self.path;
         let list = |key: &str| member(self.text, key).map_or_else(Vec::new, items);
         let (views, buffers) = (list("bufferViews"), list("buffers"));
