@@ -1,5 +1,7 @@
 //! What loads our files in earnest: three.js, in a browser with software WebGL.
 //!
+//! Babylon.js is not run: its decoder of KTX 2 is in no npm package (9.35.0 loads it from its own servers).
+//!
 //! `MIPFOLD_THREE` is the folder of the npm package `three`, `MIPFOLD_CHROMIUM` the Chromium or Chrome to use, by default
 //! `chromium`.
 
@@ -7,6 +9,7 @@ mod common;
 #[path = "consumers/site.rs"]
 mod site;
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use base64::prelude::{BASE64_STANDARD, Engine};
@@ -16,6 +19,7 @@ use common::{bump, encode8, manifest, png8, strings};
 use mipfold::codec::{read_levels, write_png};
 use mipfold::image::Raster;
 use mipfold::sample::by_name;
+use serde_json::json;
 use site::{Seen, open};
 
 /// Normals, roughness, occlusion and metal, each of its own values.
@@ -64,6 +68,7 @@ fn three_loads(desk: &Desk, files: &[String], plain: bool, tolerance: f32) -> Op
         assert_eq!([said("filter"), said("linear")], ["true", "true"], "{file}");
         for (k, level) in levels.iter().enumerate() {
             let far = farthest(&level.raster, &BASE64_STANDARD.decode(said(&k.to_string())).unwrap());
+            eprintln!("{plain}{file} {k}: {}", 255.0 * far);
             assert!(far <= tolerance, "{file}, level {k}: {} / 255", 255.0 * far);
         }
         formats.push(said("format").clone());
@@ -75,22 +80,30 @@ fn three_loads(desk: &Desk, files: &[String], plain: bool, tolerance: f32) -> Op
 
 /// Within a rounding of what a shader reads of 8 bit.
 const ROUNDING: f32 = 1.01 / 255.0;
+/// Most that UASTC's values change by where they become BC7.
+const TRANSCODED: f32 = 8.01 / 255.0;
 
 /// 100 is no power of two, and its third level no multiple of a block.
 #[test]
-fn three_shows_the_levels_of_our_ktx_2_files() {
+fn three_shows_the_levels_of_our_textures() {
     let desk = Desk::empty();
     let set = set(&desk, (100, 36));
-    let mut all = Vec::new();
-    for compress in ["bc", "none"] {
-        let out = desk.build(compress, &format!("{set} --preset three --compress {compress}"));
-        all.extend(files(&out, compress));
-    }
-    assert_eq!(all.len(), 4);
-    let Some(formats) = three_loads(&desk, &all, false, ROUNDING) else { return };
+    let build = |name: &str, more: &str| {
+        let out = desk.build(name, &format!("{set} --preset three {more}"));
+        let files = files(&out, name);
+        assert_eq!(files.len(), 2, "{files:?}");
+        files
+    };
+    let exact = ["--compress bc", "--compress none", "--format dds --dds9"];
+    let exact: Vec<String> = exact.iter().enumerate().flat_map(|(i, more)| build(&format!("{i}"), more)).collect();
+    let Some(formats) = three_loads(&desk, &exact, false, ROUNDING) else { return };
     assert_eq!(formats, ["RGBAFormat", "RGBA_BPTC_Format"]);
+    // UASTC: exact where it is unpacked; where it is transcoded into what the hardware has, that may cost a little.
+    let uastc = build("uastc", "");
+    assert_eq!(three_loads(&desk, &uastc, true, ROUNDING).unwrap(), ["RGBAFormat"]);
+    assert_eq!(three_loads(&desk, &uastc, false, TRANSCODED).unwrap(), ["RGBA_BPTC_Format"]);
     // The page is listened to: a file that is not there is heard.
-    let Some(Seen { console, .. }) = open("textures.html?nothing.ktx2", &desk.at("")) else { return };
+    let Seen { console, .. } = open("textures.html?nothing.ktx2", &desk.at("")).unwrap();
     assert!(console.iter().any(|line| line.contains("404")), "{console:#?}");
 }
 
@@ -122,14 +135,12 @@ fn three_draws_less_sparkle_with_our_mips() {
         let page = "sparkle.html?normal.ktx2,orm.ktx2,plain,mipfold";
         let Some(Seen { found, console }) = open(page, &desk.at("")) else { return };
         assert!(console.is_empty(), "{console:#?}");
-        // To look at.
-        let picture = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("three-{sample}.png"));
-        std::fs::write(picture, BASE64_STANDARD.decode(&found["picture"]).unwrap()).unwrap();
+        keep(&format!("three-{sample}"), &found);
         let [plain, ours] = ["plain", "mipfold"].map(|name| {
             let [flicker, peak, error, light] = numbers(&found[name]);
             Look { flicker, peak, error, light }
         });
-        println!("{sample}: truth {}\nplain {plain:?}\nours {ours:?}", found["truth"]);
+        eprintln!("{sample}: truth {}\nplain {plain:?}\nours {ours:?}", found["truth"]);
     }
 }
 
@@ -148,18 +159,71 @@ fn three_loads_folded_models_and_draws_nearer_to_the_truth() {
         write_png(&mut bytes, raster).unwrap();
         bytes
     };
-    let material = serde_json::json!({
+    let material = json!({
         "normalTexture": { "index": 0 },
         "occlusionTexture": { "index": 1 },
         "pbrMetallicRoughness": { "metallicRoughnessTexture": { "index": 1 }, "roughnessFactor": 0.6 },
     });
     let images = [("normal", png(&maps.normal)), ("orm", png(&maps.orm))];
-    desk.file("plain.glb", &Scene::new(serde_json::json!([material]), &images, serde_json::json!({})).glb());
+    desk.file("plain.glb", &Scene::new(json!([material]), &images, json!({})).glb());
     desk.build("folded.glb", "@plain.glb");
     let Some(Seen { found, console }) = open("model.html?plain.glb,folded.glb", &desk.at("")) else { return };
     assert!(console.is_empty(), "{console:#?}");
     assert_eq!(found["folded.glb maps"], "compressed 9, compressed 9, compressed 9");
     let [plain, ours] = ["plain.glb", "folded.glb"].map(|name| numbers::<2>(&found[name])[0]);
-    println!("root mean square error of radiance, over its mean: {plain} plain, {ours} folded");
+    eprintln!("root mean square error of radiance, over its mean: {plain} plain, {ours} folded");
     assert!(ours < 0.5 * plain, "{ours} against {plain}");
+}
+
+/// A square whose texels are larger than pixels looks as it did, with compressed textures in the place of its pictures.
+#[test]
+fn three_loads_our_models() {
+    let desk = Desk::empty();
+    let png =
+        |texel: &dyn Fn(usize, usize) -> Vec<u8>| std::fs::read(png8(&desk.at("map.png"), (64, 64), texel)).unwrap();
+    let normals = png(&|x, y| bump(x, y, 32).map(encode8).to_vec());
+    let orm = png(&|x, y| vec![200 + (x % 7) as u8, 60 + (2 * y) as u8, if x > y { 255 } else { 0 }]);
+    let colours = png(&|x, y| vec![4 * x as u8, 4 * y as u8, 77]);
+    let material = json!({
+        "name": "wall",
+        "normalTexture": { "index": 0 },
+        "occlusionTexture": { "index": 1 },
+        "pbrMetallicRoughness": { "baseColorTexture": { "index": 2 }, "metallicRoughnessTexture": { "index": 1 } },
+    });
+    let scene = Scene::new(json!([material]), &[("n", normals), ("orm", orm), ("colour", colours)], json!({}));
+    desk.file("wall.glb", &scene.glb());
+    let mut models = vec![("wall", 0.02)];
+    if let Some(textures) = common::textures() {
+        std::fs::copy(textures.join("glb_normal_tangent_test/NormalTangentTest.glb"), desk.at("test.glb")).unwrap();
+        models.push(("test", 0.1));
+    }
+    for (model, most) in models {
+        common::build([desk.at(&format!("{model}.glb"))], &desk.at(&format!("{model}-out.glb")));
+        let Some(seen) = open(&format!("models.html?{model}.glb,{model}-out.glb"), &desk.at("")) else { return };
+        let Seen { found, console } = seen;
+        assert!(console.is_empty(), "{console:#?}");
+        keep(&format!("three-model-{model}"), &found);
+        eprintln!("{model}: {} of {}; {}", found["far"], found["light"], found["textures"]);
+        let [far, light] = ["far", "light"].map(|key| found[key].parse::<f64>().unwrap());
+        assert!(far < most && light > 0.1, "{model}: {far} of {light}");
+        let mut folded = 0;
+        for texture in
+            found["textures"].split("; ").filter(|text| text.contains("ormalMap") || text.contains("nessMap"))
+        {
+            let [kind, levels, side] = texture.rsplitn(4, ' ').take(3).collect::<Vec<_>>()[..] else {
+                panic!("{texture}")
+            };
+            let [side, levels, kind] = [kind, levels, side];
+            let all = side.parse::<u32>().unwrap().ilog2() + 1;
+            assert!(kind == "compressed" && levels.parse() == Ok(all), "{model}: {texture}");
+            folded += 1;
+        }
+        assert!(folded >= 3, "{model}: {}", found["textures"]);
+    }
+}
+
+/// Keeps the picture of a page to look at, below the build folder.
+fn keep(name: &str, found: &BTreeMap<String, String>) {
+    let picture = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("{name}.png"));
+    std::fs::write(picture, BASE64_STANDARD.decode(&found["picture"]).unwrap()).unwrap();
 }

@@ -64,3 +64,31 @@ export function level(renderer, texture, number, width, height) {
   reader.uniforms.size.value.set(width, height);
   return drawn(renderer, scene, camera, width, height, THREE.UnsignedByteType);
 }
+
+// Pictures of radiance side by side, each width * height from below and scaled up: a PNG in base 64.
+export function strip(pictures, width, height, scale) {
+  const line = 20; // of text, in pixels
+  const canvas = document.createElement('canvas');
+  canvas.width = Object.keys(pictures).length * width * scale;
+  canvas.height = height * scale + line;
+  const context = canvas.getContext('2d');
+  context.imageSmoothingEnabled = false;
+  context.fillStyle = 'white';
+  context.fillRect(0, 0, canvas.width, canvas.height);
+  context.fillStyle = 'black';
+  context.font = '14px sans-serif';
+  Object.entries(pictures).forEach(([name, picture], i) => {
+    const small = document.createElement('canvas');
+    [small.width, small.height] = [width, height];
+    const image = new ImageData(width, height);
+    picture.forEach((v, j) => {
+      const grey = 255 * Math.min(1, v) ** (1 / 2.2);
+      image.data.set([grey, grey, grey, 255], 4 * ((height - 1 - Math.floor(j / width)) * width + (j % width)));
+    });
+    small.getContext('2d').putImageData(image, 0, 0);
+    context.drawImage(small, i * width * scale, line, width * scale, height * scale);
+    context.fillText(name, i * width * scale + 4, 15);
+  });
+  document.body.append(canvas);
+  return canvas.toDataURL().split(',')[1];
+}
