@@ -157,6 +157,16 @@ fn run(arguments: &[&str], folder: &Path) {
                 let materials = serde_json::json!([{ "name": "hull" }, { "name": "deck" }]);
                 mesh::glb(&folder.join(argument), materials, &[]);
             }
+            _ if argument.ends_with(".gltf") => {
+                picture(&folder.join("normal.png"));
+                let json = serde_json::json!({
+                    "asset": { "version": "2.0" },
+                    "images": [{ "uri": "normal.png" }],
+                    "textures": [{ "source": 0 }],
+                    "materials": [{ "normalTexture": { "index": 0 } }],
+                });
+                fs::write(folder.join(argument), json.to_string()).unwrap();
+            }
             _ if argument.contains(".png") => picture(&folder.join(argument.split(':').next().unwrap())),
             _ if argument.contains('/') => {
                 picture(&folder.join(argument).join("wall_normal.png"));
