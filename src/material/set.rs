@@ -25,6 +25,9 @@ pub struct Given {
     pub height: bool,
 }
 
+/// Whether a kind will do.
+type Accepts = fn(Kind) -> bool;
+
 /// A file that may play a part.
 #[derive(Clone, Debug)]
 pub(super) struct Candidate {
@@ -148,7 +151,7 @@ impl TextureSet {
     /// A roughness map before a packed one, a packed one before smoothness, and, of a surface with bumps, that before what
     /// may be a mask map.
     fn roughness(&self, bumpy: bool, notes: &mut Vec<String>) -> Result<RoughnessInput> {
-        let kinds: [(&str, fn(Kind) -> bool); 5] = [
+        let kinds: [(&str, Accepts); 5] = [
             ("roughness", |k| k == Roughness),
             ("roughness", |k| k == NormalRoughness),
             ("packed", |k| matches!(k, Packed(Layout { smooth: false, .. }))),
