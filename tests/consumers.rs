@@ -53,30 +53,21 @@ fn farthest(ours: &Raster, texels: &[u8]) -> f32 {
     (0..size.texels()).flat_map(|i| (0..4).map(move |c| (ours(i, c) - theirs(i, c)).abs())).fold(0.0, f32::max)
 }
 
-/// Loads files of a desk with three.js and compares every level, texel for texel, with what our own decoder makes of
-/// it: within `tolerance` of 0 to 1. Returns the formats that three.js chose, each once.
-fn three_loads(desk: &Desk, files: &[String], plain: bool, tolerance: f32) -> Option<Vec<String>> {
-    let plain = if plain { "plain," } else { "" };
-    let Seen { found, console } = open(&format!("textures.html?{plain}{}", files.join(",")), &desk.at(""))?;
-    assert!(console.is_empty(), "{console:#?}");
-    let mut formats = Vec::new();
-    for file in files {
-        let said = |what: &str| &found[&format!("{file} {what}")];
-        let levels = read_levels(&desk.at(file)).unwrap();
-        let sizes: Vec<_> = levels.iter().map(|level| level.raster.size()).collect();
-        let sizes: Vec<_> = sizes.iter().map(|size| format!("{}x{}", size.width, size.height)).collect();
-        assert!(sizes.len() > 5 && sizes.last().is_some_and(|size| size == "1x1"));
-        assert_eq!(said("sizes"), &sizes.join(" "), "{file}");
-        assert_eq!([said("filter"), said("linear")], ["true", "true"], "{file}");
-        for (k, level) in levels.iter().enumerate() {
-            let far = farthest(&level.raster, &BASE64_STANDARD.decode(said(&k.to_string())).unwrap());
-            assert!(far <= tolerance, "{file}, level {k}: {} / 255", 255.0 * far);
-        }
-        formats.push(said("format").clone());
+/// Compares every level that a page found of a file, texel for texel, with what our own decoder makes of it: within
+/// `tolerance` of 0 to 1. Returns the format that three.js chose.
+fn checked(desk: &Desk, found: &BTreeMap<String, String>, file: &str, tolerance: f32) -> String {
+    let said = |what: &str| &found[&format!("{file} {what}")];
+    let levels = read_levels(&desk.at(file.trim_start_matches("plain:"))).unwrap();
+    let sizes: Vec<_> = levels.iter().map(|level| level.raster.size()).collect();
+    let sizes: Vec<_> = sizes.iter().map(|size| format!("{}x{}", size.width, size.height)).collect();
+    assert!(sizes.len() > 5 && sizes.last().is_some_and(|size| size == "1x1"));
+    assert_eq!(said("sizes"), &sizes.join(" "), "{file}");
+    assert_eq!([said("filter"), said("linear")], ["true", "true"], "{file}");
+    for (k, level) in levels.iter().enumerate() {
+        let far = farthest(&level.raster, &BASE64_STANDARD.decode(said(&k.to_string())).unwrap());
+        assert!(far <= tolerance, "{file}, level {k}: {} / 255", 255.0 * far);
     }
-    formats.sort();
-    formats.dedup();
-    Some(formats)
+    said("format").clone()
 }
 
 /// Within a rounding of what a shader reads of 8 bit.
@@ -95,14 +86,26 @@ fn three_shows_the_levels_of_our_textures() {
         assert_eq!(files.len(), 2, "{files:?}");
         files
     };
-    let exact = ["--compress bc", "--compress none", "--format dds --dds9"];
-    let exact: Vec<String> = exact.iter().enumerate().flat_map(|(i, more)| build(&format!("{i}"), more)).collect();
-    let Some(formats) = three_loads(&desk, &exact, false, ROUNDING) else { return };
-    assert_eq!(formats, ["RGBAFormat", "RGBA_BPTC_Format"]);
-    // UASTC: exact where it is unpacked; where it is transcoded into what the hardware has, that may cost a little.
     let uastc = build("uastc", "");
-    assert_eq!(three_loads(&desk, &uastc, true, ROUNDING).unwrap(), ["RGBAFormat"]);
-    assert_eq!(three_loads(&desk, &uastc, false, TRANSCODED).unwrap(), ["RGBA_BPTC_Format"]);
+    let mut all = Vec::new();
+    for (name, more, format) in [
+        ("bc", "--compress bc", "RGBA_BPTC_Format"),
+        ("none", "--compress none", "RGBAFormat"),
+        ("dds", "--format dds --dds9", "RGBAFormat"),
+    ] {
+        all.extend(build(name, more).into_iter().map(|file| (file, format, ROUNDING)));
+    }
+    // UASTC: exact where it is unpacked; where it is transcoded into what the hardware has, that may cost a little.
+    all.extend(uastc.iter().map(|file| (format!("plain:{file}"), "RGBAFormat", ROUNDING)));
+    all.extend(uastc.into_iter().map(|file| (file, "RGBA_BPTC_Format", TRANSCODED)));
+    let names: Vec<_> = all.iter().map(|(file, ..)| file.as_str()).collect();
+    let Some(Seen { found, console }) = open(&format!("textures.html?{}", names.join(",")), &desk.at("")) else {
+        return;
+    };
+    assert!(console.is_empty(), "{console:#?}");
+    for (file, format, tolerance) in &all {
+        assert_eq!(&checked(&desk, &found, file, *tolerance), format, "{file}");
+    }
     // The page is listened to: a file that is not there is heard.
     let Seen { console, .. } = open("textures.html?nothing.ktx2", &desk.at("")).unwrap();
     assert!(console.iter().any(|line| line.contains("404")), "{console:#?}");
@@ -113,6 +116,8 @@ fn three_shows_the_levels_of_our_textures() {
 struct Look {
     /// What changes from frame to frame beyond what changes in truth, as a share of the truth's mean radiance.
     flicker: f64,
+    /// What changes from frame to frame, over what changes in truth.
+    change: f64,
     /// Radiance of the brightest pixel of a thousand, over the truth's.
     peak: f64,
     /// Root mean square error of radiance, as a share of the mean.
@@ -124,35 +129,89 @@ struct Look {
 /// A material far away, as three.js draws it with our mips and with plain ones.
 #[test]
 fn three_draws_less_sparkle_with_our_mips() {
-    for sample in ["brushed-metal", "hammered-metal"] {
-        let desk = Desk::empty();
-        let maps = (by_name(sample).unwrap().make)(256, 1);
-        for (name, map) in [("normal.png", &maps.normal), ("orm.png", &maps.orm)] {
-            write_png(std::fs::File::create(desk.at(name)).unwrap(), map).unwrap();
-        }
-        let inputs = "--normal @normal.png --orm @orm.png --preset three --compress none";
-        desk.build("mipfold", inputs);
-        desk.build("plain", &format!("{inputs} --fold average"));
-        let page = "sparkle.html?normal.ktx2,orm.ktx2,plain,mipfold";
-        let Some(Seen { found, console }) = open(page, &desk.at("")) else { return };
-        assert!(console.is_empty(), "{console:#?}");
-        keep(&format!("three-{sample}"), &found);
-        let [plain, ours] = ["plain", "mipfold"].map(|name| {
-            let [flicker, peak, error, light] = numbers(&found[name]);
-            Look { flicker, peak, error, light }
-        });
-        eprintln!("{sample}: truth {}\nplain {plain:?}\nours {ours:?}", found["truth"]);
-        // Brushed metal gains least in flicker, for its streaks are as fine as pixels along one axis.
-        assert!(ours.flicker < 0.9 * plain.flicker, "{sample}: {ours:?} against {plain:?}");
-        assert!(ours.error < 0.7 * plain.error, "{sample}: {ours:?} against {plain:?}");
-        assert!(plain.peak > 1.5 && (0.5..1.3).contains(&ours.peak), "{sample}: {ours:?} against {plain:?}");
-        assert!((ours.light - 1.0).abs() < (plain.light - 1.0).abs(), "{sample}: {ours:?} against {plain:?}");
+    let desk = Desk::empty();
+    let maps = (by_name("hammered-metal").unwrap().make)(256, 1);
+    for (name, map) in [("normal.png", &maps.normal), ("orm.png", &maps.orm)] {
+        write_png(std::fs::File::create(desk.at(name)).unwrap(), map).unwrap();
     }
+    let inputs = "--normal @normal.png --orm @orm.png --preset three --compress none";
+    desk.build("mipfold", inputs);
+    desk.build("plain", &format!("{inputs} --fold average"));
+    let page = "sparkle.html?normal.ktx2,orm.ktx2,plain,mipfold";
+    let Some(Seen { found, console }) = open(page, &desk.at("")) else { return };
+    assert!(console.is_empty(), "{console:#?}");
+    keep("three-sparkle", &found);
+    let [plain, ours] = ["plain", "mipfold"].map(|name| {
+        let [flicker, change, peak, error, light] = numbers(&found[name]);
+        Look { flicker, change, peak, error, light }
+    });
+    eprintln!("three.js, far away: truth {}\n  plain {plain:?}\n  mipfold {ours:?}", found["truth"]);
+    assert!(ours.flicker < 0.6 * plain.flicker && ours.error < 0.5 * plain.error, "{ours:?}, {plain:?}");
+    assert!(ours.change < 1.0 && plain.change > 1.5, "{ours:?}, {plain:?}");
+    assert!((0.6..1.3).contains(&ours.peak) && plain.peak > 2.0, "{ours:?}, {plain:?}");
+    assert!((ours.light - 1.0).abs() < 0.3, "{ours:?}, {plain:?}");
 }
 
 fn numbers<const N: usize>(line: &str) -> [f64; N] {
     let numbers: Vec<f64> = line.split(' ').map(|number| number.parse().unwrap()).collect();
     numbers.try_into().unwrap()
+}
+
+/// Builds a model and draws it with three.js before and after: it looks as it did, within `most` of its mean radiance,
+/// and what was folded comes compressed, with all its levels.
+fn three_loads_a_model(desk: &Desk, model: &str, most: f64) {
+    common::build([desk.at(&format!("{model}.glb"))], &desk.at(&format!("{model}-out.glb")));
+    let page = format!("models.html?{model}.glb,{model}-out.glb");
+    let Some(Seen { found, console }) = open(&page, &desk.at("")) else { return };
+    assert!(console.is_empty(), "{console:#?}");
+    keep(&format!("three-model-{model}"), &found);
+    eprintln!("three.js, {model}: {} apart, of {}; {}", found["far"], found["light"], found["textures"]);
+    let [far, light] = ["far", "light"].map(|key| found[key].parse::<f64>().unwrap());
+    assert!(far < most && light > 0.1, "{model}: {far} of {light}");
+    for slot in ["normalMap", "roughnessMap", "metalnessMap"] {
+        let mut of_slot = found["textures"].split("; ").filter(|texture| texture.contains(slot)).peekable();
+        assert!(of_slot.peek().is_some(), "{model}: no {slot}");
+        for texture in of_slot {
+            let (rest, side) = texture.rsplit_once(' ').unwrap();
+            let all = side.parse::<u32>().unwrap().ilog2() + 1;
+            assert!(rest.ends_with(&format!("{slot} compressed {all}")), "{model}: {texture}");
+        }
+    }
+}
+
+/// A square whose texels are larger than pixels.
+#[test]
+fn three_loads_our_models() {
+    let desk = Desk::empty();
+    let png =
+        |texel: &dyn Fn(usize, usize) -> Vec<u8>| std::fs::read(png8(&desk.at("map.png"), (64, 64), texel)).unwrap();
+    let normals = png(&|x, y| bump(x, y, 32).map(encode8).to_vec());
+    let orm = png(&|x, y| vec![200 + (x % 7) as u8, 60 + (2 * y) as u8, if x > y { 255 } else { 0 }]);
+    let colours = png(&|x, y| vec![4 * x as u8, 4 * y as u8, 77]);
+    let material = json!({
+        "name": "wall",
+        "normalTexture": { "index": 0 },
+        "occlusionTexture": { "index": 1 },
+        "pbrMetallicRoughness": { "baseColorTexture": { "index": 2 }, "metallicRoughnessTexture": { "index": 1 } },
+    });
+    let scene = Scene::new(json!([material]), &[("n", normals), ("orm", orm), ("colour", colours)], json!({}));
+    desk.file("wall.glb", &scene.glb());
+    three_loads_a_model(&desk, "wall", 0.05);
+}
+
+#[test]
+#[ignore = "two maps of 2048 x 2048 are compressed, which takes 20 s of one core at opt-level 1"]
+fn three_loads_a_real_model() {
+    let Some(textures) = common::textures() else { return };
+    let desk = Desk::empty();
+    std::fs::copy(textures.join("glb_normal_tangent_test/NormalTangentTest.glb"), desk.at("test.glb")).unwrap();
+    three_loads_a_model(&desk, "test", 0.12);
+}
+
+/// Keeps the picture of a page to look at, below the build folder.
+fn keep(name: &str, found: &BTreeMap<String, String>) {
+    let picture = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("{name}.png"));
+    std::fs::write(picture, BASE64_STANDARD.decode(&found["picture"]).unwrap()).unwrap();
 }
 
 /// A glTF model far away, before and after.
@@ -179,57 +238,4 @@ fn three_loads_folded_models_and_draws_nearer_to_the_truth() {
     let [plain, ours] = ["plain.glb", "folded.glb"].map(|name| numbers::<2>(&found[name])[0]);
     eprintln!("root mean square error of radiance, over its mean: {plain} plain, {ours} folded");
     assert!(ours < 0.5 * plain, "{ours} against {plain}");
-}
-
-/// A square whose texels are larger than pixels looks as it did, with compressed textures in the place of its pictures.
-#[test]
-fn three_loads_our_models() {
-    let desk = Desk::empty();
-    let png =
-        |texel: &dyn Fn(usize, usize) -> Vec<u8>| std::fs::read(png8(&desk.at("map.png"), (64, 64), texel)).unwrap();
-    let normals = png(&|x, y| bump(x, y, 32).map(encode8).to_vec());
-    let orm = png(&|x, y| vec![200 + (x % 7) as u8, 60 + (2 * y) as u8, if x > y { 255 } else { 0 }]);
-    let colours = png(&|x, y| vec![4 * x as u8, 4 * y as u8, 77]);
-    let material = json!({
-        "name": "wall",
-        "normalTexture": { "index": 0 },
-        "occlusionTexture": { "index": 1 },
-        "pbrMetallicRoughness": { "baseColorTexture": { "index": 2 }, "metallicRoughnessTexture": { "index": 1 } },
-    });
-    let scene = Scene::new(json!([material]), &[("n", normals), ("orm", orm), ("colour", colours)], json!({}));
-    desk.file("wall.glb", &scene.glb());
-    let mut models = vec![("wall", 0.05)];
-    if let Some(textures) = common::textures() {
-        std::fs::copy(textures.join("glb_normal_tangent_test/NormalTangentTest.glb"), desk.at("test.glb")).unwrap();
-        models.push(("test", 0.1));
-    }
-    for (model, most) in models {
-        common::build([desk.at(&format!("{model}.glb"))], &desk.at(&format!("{model}-out.glb")));
-        let Some(seen) = open(&format!("models.html?{model}.glb,{model}-out.glb"), &desk.at("")) else { return };
-        let Seen { found, console } = seen;
-        assert!(console.is_empty(), "{console:#?}");
-        keep(&format!("three-model-{model}"), &found);
-        eprintln!("{model}: {} of {}; {}", found["far"], found["light"], found["textures"]);
-        let [far, light] = ["far", "light"].map(|key| found[key].parse::<f64>().unwrap());
-        assert!(far < most && light > 0.1, "{model}: {far} of {light}");
-        let mut folded = 0;
-        for texture in
-            found["textures"].split("; ").filter(|text| text.contains("ormalMap") || text.contains("nessMap"))
-        {
-            let [kind, levels, side] = texture.rsplitn(4, ' ').take(3).collect::<Vec<_>>()[..] else {
-                panic!("{texture}")
-            };
-            let [side, levels, kind] = [kind, levels, side];
-            let all = side.parse::<u32>().unwrap().ilog2() + 1;
-            assert!(kind == "compressed" && levels.parse() == Ok(all), "{model}: {texture}");
-            folded += 1;
-        }
-        assert!(folded >= 3, "{model}: {}", found["textures"]);
-    }
-}
-
-/// Keeps the picture of a page to look at, below the build folder.
-fn keep(name: &str, found: &BTreeMap<String, String>) {
-    let picture = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("{name}.png"));
-    std::fs::write(picture, BASE64_STANDARD.decode(&found["picture"]).unwrap()).unwrap();
 }
