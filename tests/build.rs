@@ -76,7 +76,8 @@ impl Map<'_> {
 
     /// Channels that are not ours are the plain mean of level 0 at every level.
     fn other_channels_are_plain_means(&self) -> usize {
-        let others: Vec<_> = (0..self.channels()).filter(|c| self.role(*c) == "other").collect();
+        let others: Vec<_> =
+            (0..self.channels()).filter(|c| ["other", "occlusion", "metalness"].contains(&self.role(*c))).collect();
         for c in &others {
             let base = plane(&self.levels[0], *c);
             for (k, level) in self.levels.iter().enumerate().skip(1) {

@@ -211,3 +211,29 @@ fn keep(name: &str, found: &BTreeMap<String, String>) {
     let picture = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("{name}.png"));
     std::fs::write(picture, BASE64_STANDARD.decode(&found["picture"]).unwrap()).unwrap();
 }
+
+/// A glTF model far away, before and after.
+#[test]
+fn three_loads_folded_models_and_draws_nearer_to_the_truth() {
+    let desk = Desk::empty();
+    let maps = (by_name("hammered-metal").unwrap().make)(256, 1);
+    let png = |raster: &Raster| {
+        let mut bytes = Vec::new();
+        write_png(&mut bytes, raster).unwrap();
+        bytes
+    };
+    let material = json!({
+        "normalTexture": { "index": 0 },
+        "occlusionTexture": { "index": 1 },
+        "pbrMetallicRoughness": { "metallicRoughnessTexture": { "index": 1 }, "roughnessFactor": 0.6 },
+    });
+    let images = [("normal", png(&maps.normal)), ("orm", png(&maps.orm))];
+    desk.file("plain.glb", &Scene::new(json!([material]), &images, json!({})).glb());
+    desk.build("folded.glb", "@plain.glb");
+    let Some(Seen { found, console }) = open("model.html?plain.glb,folded.glb", &desk.at("")) else { return };
+    assert!(console.is_empty(), "{console:#?}");
+    assert_eq!(found["folded.glb maps"], "compressed 9, compressed 9, compressed 9");
+    let [plain, ours] = ["plain.glb", "folded.glb"].map(|name| numbers::<2>(&found[name])[0]);
+    eprintln!("root mean square error of radiance, over its mean: {plain} plain, {ours} folded");
+    assert!(ours < 0.5 * plain, "{ours} against {plain}");
+}

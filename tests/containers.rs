@@ -138,7 +138,7 @@ fn random_blocks(count: usize) -> Vec<u8> {
         let mut block = (0..4).fold(0, |block, _| block << 32 | number());
         if patterns > 1 {
             let most = if patterns == 11 { 15 } else { 31 };
-            block = block & !(most << at) | (i / 19) as u128 % patterns << at;
+            block = block & !(most << at) | (((i / 19) as u128 % patterns) << at);
         }
         (block >> bits << bits | code).to_le_bytes()
     };

@@ -171,7 +171,7 @@ fn shrunk(folder: &Path, desk: &Desk) -> String {
 fn two_channel_normals_leave_room_for_z() {
     let desk = Desk::empty();
     // On the rim and beyond, as noise.
-    let side = |x: usize, y: usize, k: usize| ((x * 73 + y * 151 + k * 97) * 2_654_435_761 >> 7) as u8;
+    let side = |x: usize, y: usize, k: usize| (((x * 73 + y * 151 + k * 97) * 2_654_435_761) >> 7) as u8;
     png8(&desk.at("n.png"), (64, 64), |x, y| vec![side(x, y, 1), side(x, y, 2), 140]);
     let out = desk.build("out", "--normal @n.png --roughness 0.5 --format dds");
     for level in levels_of(&out.join("n.dds")) {
@@ -265,6 +265,20 @@ fn a_locked_folder_is_waited_for() {
         drop(folder);
         assert!(built.join().unwrap().contains("wrote"));
     });
+}
+
+/// Pictures are often saved with an alpha that says nothing.
+#[test]
+fn an_alpha_of_ones_is_not_encoded() {
+    let desk = Desk::empty();
+    let opaque = |n: [u8; 3]| vec![n[0], n[1], n[2], 255];
+    png8(&desk.at("n.png"), (32, 32), |x, y| opaque(bump(x, y, 32).map(encode8)));
+    png8(&desk.at("r.png"), (32, 32), |x, y| vec![(x * y % 200) as u8, 255]);
+    let out = desk.build("out", "--normal @n.png --roughness @r.png --format ktx2");
+    let encodings =
+        manifest(&out)["maps"].as_array().unwrap().iter().map(|map| map["encoding"].clone()).collect::<Vec<_>>();
+    assert_eq!(encodings, ["bc5", "bc4"]);
+    desk.warns("--normal @n.png --roughness @r.png --preset gltf -o @gltf", &[]);
 }
 
 /// Channels that an engine's packing has no place for are named, and one channel has one meaning.

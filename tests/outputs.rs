@@ -215,6 +215,7 @@ fn presets_are_listed_and_told() {
     };
     let json = |args: &[&str]| serde_json::from_str::<serde_json::Value>(&printed(args)).unwrap();
     let (list, all) = (printed(&[]), json(&["--json"]));
+    assert!(list.lines().all(|line| line.chars().count() <= 80), "{list}");
     for (preset, listed) in PRESETS.iter().zip(all["presets"].as_array().unwrap()) {
         let line = list.lines().find(|line| line.split_whitespace().next() == Some(preset.name));
         let line = line.unwrap_or_else(|| panic!("{} is not in the list", preset.name));

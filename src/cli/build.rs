@@ -1,5 +1,6 @@
 //! `mipfold build`.
 
+use std::collections::HashSet;
 use std::panic::resume_unwind;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -48,8 +49,9 @@ pub fn run(args: &BuildArgs, said: &ArgMatches, global: &Global, report: &mut Re
     if args.inputs.is_empty() {
         found.extend(of_options(args, &vocabulary, named.as_ref(), &mut passed)?.map(Ok));
     }
+    let mut taken = HashSet::new();
     for input in &args.inputs {
-        match of_folder(input, args, &vocabulary, named.as_ref(), report) {
+        match of_folder(input, args, &vocabulary, named.as_ref(), &mut taken, report) {
             Ok((materials, others)) => {
                 found.extend(materials);
                 passed.extend(others);
@@ -138,7 +140,7 @@ impl Material {
 
     fn build(&self, folder: &Path, global: &Global, bar: &ProgressBar) -> Result<Outcome> {
         let (inputs, args) = (&self.inputs, &self.args);
-        let options = args.folding.options(args.moments)?;
+        let options = args.folding.options(args.moments).map_err(|error| about(&inputs.name, error))?;
         let (mut request, form) = (request(args, folder, global), args.folding.form());
         let digests = key(&request.inputs(inputs), &options, form, &request, file_digest);
         // Files that cannot be read are told of when they are.
@@ -163,6 +165,16 @@ impl Material {
         let mut built = job.run(global.dry_run, bar)?.built;
         built.maps = self.maps.iter().map(map_said).collect();
         Ok(Outcome::Built(built))
+    }
+}
+
+/// An error about options, which may hold for one material only.
+fn about(material: &str, error: Error) -> Error {
+    match error {
+        Error::Invalid { subject, found, expected } => {
+            Error::invalid_option(format!("{material}: {subject}"), found, expected)
+        }
+        other => other,
     }
 }
 
@@ -216,6 +228,7 @@ fn of_folder(
     args: &BuildArgs,
     vocabulary: &Vocabulary,
     named: Option<&Config>,
+    taken: &mut HashSet<PathBuf>,
     report: &mut Report,
 ) -> std::result::Result<Materials, Refused> {
     let found = look(input, Some(&args.output)).map_err(Refused::Input)?;
@@ -224,7 +237,17 @@ fn of_folder(
         if named.is_some() { Vec::new() } else { configs(input, &found.sets, vocabulary).map_err(Refused::All)? };
     let mut sets: Vec<(TextureSet, Result<Inputs>, Settings)> = Vec::new();
     let mut skips = false;
-    for set in found.sets {
+    let place = |set: &TextureSet| set.folder.canonicalize().unwrap_or_else(|_| set.folder.clone());
+    let (again, new): (Vec<_>, Vec<_>) = found.sets.into_iter().partition(|set| taken.contains(&place(set)));
+    taken.extend(new.iter().map(place));
+    for set in again {
+        passed.push(PassedOver {
+            path: set.folder.join(&set.name),
+            why: "taken already, from another folder given".into(),
+        });
+        skips = true;
+    }
+    for set in new {
         let above = configs.iter().filter(|(below, _)| set.below.starts_with(below)).map(|(_, config)| config);
         let above: Vec<&Config> = above.chain(named).collect();
         let mut settings = config::settings(vocabulary, &above, &set.name, Some(&set)).map_err(Refused::All)?;
@@ -323,7 +346,7 @@ fn apart(output: &Path, places: Vec<PathBuf>) -> Vec<PathBuf> {
     let mut taken: Vec<PathBuf> = Vec::new();
     // File systems that ignore case exist.
     let lower = |path: &Path| path.to_string_lossy().to_lowercase();
-    let mut lowered = std::collections::HashSet::new();
+    let mut lowered = HashSet::new();
     for base in places {
         let mut place = base.clone();
         let mut n = 2;

@@ -11,7 +11,7 @@ use super::report::{Portion, Report};
 use crate::error::{Error, Result};
 use crate::material::{Fate, Foldable, Model, NormalRange, NormalY, NormalZ};
 use crate::output::model::{
-    FoldedMaterial, Group, ImageAbout, ImageDigest, ModelOptions, Proof, Slot, digests, fold_material, rewrite,
+    FoldedMaterial, Group, ImageAbout, ImageDigest, Left, ModelOptions, Proof, Slot, digests, fold_material, rewrite,
 };
 use crate::output::preset::Compress;
 use crate::output::{Gain, SCHEMA};
@@ -34,6 +34,9 @@ struct About<'a> {
     /// Why not.
     #[serde(skip_serializing_if = "Option::is_none")]
     reason: Option<&'a str>,
+    /// Whether that is nothing to wonder about.
+    #[serde(skip)]
+    plain: bool,
     #[serde(skip_serializing_if = "Option::is_none")]
     width: Option<usize>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -86,7 +89,7 @@ pub fn is_model(path: &Path) -> bool {
 /// A group and what was folded of it, or why it stays.
 struct Done<'a> {
     foldable: &'a Foldable,
-    result: std::result::Result<FoldedMaterial, String>,
+    result: std::result::Result<FoldedMaterial, Left>,
 }
 
 pub fn run(args: &BuildArgs, global: &Global, report: &mut Report) -> Result<()> {
@@ -143,7 +146,7 @@ pub fn run(args: &BuildArgs, global: &Global, report: &mut Report) -> Result<()>
     tell(report, global, output, &materials, &names, files.main.len());
     if options.compress != Compress::Uastc && !groups.is_empty() {
         report.warning(
-            "textures that are not UASTC are no part of glTF: Bevy and three.js read them, validators complain of image/ktx2",
+            "textures that are not UASTC are no part of glTF: Bevy reads them, other loaders and validators do not know image/ktx2",
         );
     }
     report.document(json(&document(Some(global.dry_run))));
@@ -214,11 +217,12 @@ fn options(args: &BuildArgs) -> Result<ModelOptions> {
 fn about<'a>(fates: &'a [Fate], done: &'a [Done], images: &'a [ImageAbout]) -> Vec<About<'a>> {
     let (mut groups, mut folded) = (0, 0);
     let of = |fate: &'a Fate| match fate {
-        Fate::Leave { material, name, reason, .. } => About {
+        Fate::Leave { material, name, reason, plain } => About {
             name,
             materials: vec![*material],
             folded: false,
             reason: Some(reason),
+            plain: *plain,
             width: None,
             height: None,
             gain: None,
@@ -233,7 +237,8 @@ fn about<'a>(fates: &'a [Fate], done: &'a [Done], images: &'a [ImageAbout]) -> V
                 name: &foldable.inputs.name,
                 materials: foldable.materials.clone(),
                 folded: result.is_ok(),
-                reason: result.as_ref().err().map(String::as_str),
+                reason: result.as_ref().err().map(|left| left.reason.as_str()),
+                plain: result.as_ref().err().is_some_and(|left| left.plain),
                 width: None,
                 height: None,
                 gain: None,
@@ -273,7 +278,10 @@ fn tell(report: &Report, global: &Global, output: &Path, materials: &[About], na
                 report.say(&format!("{}: {width}x{height}, folded: {}", about.name, slots.join(", ")));
                 about.gain.iter().for_each(|gain| report.say(&format!("  {}", gain.describe())));
             }
-            (reason, _) => report.say(&format!("{}: left as it is: {}", about.name, reason.unwrap_or_default())),
+            (reason, _) => {
+                let text = format!("{}: left as it is: {}", about.name, reason.unwrap_or_default());
+                if about.plain { report.say(&text) } else { report.warning(&text) }
+            }
         }
         about.notes.iter().for_each(|note| report.say(&format!("  {note}")));
         about.warnings.iter().for_each(|warning| report.warning(&format!("{}: {warning}", about.name)));
@@ -285,7 +293,8 @@ fn tell(report: &Report, global: &Global, output: &Path, materials: &[About], na
         true => ("would write", String::new()),
         false => ("wrote", format!(" of {bytes} bytes")),
     };
-    report.say(&format!("{verb} {}{size}, and {} files beside it", output.display(), names.len() - 1));
+    let beside = if names.len() == 2 { "1 file".to_owned() } else { format!("{} files", names.len() - 1) };
+    report.say(&format!("{verb} {}{size}, and {beside} beside it", output.display()));
     if global.dry_run {
         names.iter().for_each(|name| report.say(&format!("  {name}")));
     }

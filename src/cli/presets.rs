@@ -5,6 +5,7 @@ use serde_json::{Value, json};
 use super::args::PresetsArgs;
 use super::report::Report;
 use crate::error::Result;
+use crate::image::Sides;
 use crate::material::NormalY;
 use crate::output::Format;
 use crate::output::preset::{Compress, PRESETS, Preset, fill, said};
@@ -24,54 +25,59 @@ pub fn run(args: &PresetsArgs, report: &mut Report) -> Result<()> {
 
 /// All of them, a line each.
 fn table() -> String {
-    let head = ["name", "container", "texels", "normals", "green", "packed", "sides", "engine"];
-    let rows: Vec<[String; 8]> = std::iter::once(head.map(String::from)).chain(PRESETS.iter().map(row)).collect();
+    let head = ["name", "container", "normals", "packed", "sides", "engine"].map(String::from);
+    let rows: Vec<[String; 6]> = std::iter::once(head).chain(PRESETS.iter().map(row)).collect();
     let width = |column: usize| rows.iter().map(|row| row[column].chars().count()).max().unwrap_or_default();
-    let widths: Vec<usize> = (0..head.len()).map(width).collect();
-    let line = |row: &[String; 8]| {
-        let cells = row.iter().zip(&widths).map(|(cell, width)| format!("{cell:width$}"));
+    let widths: [usize; 6] = std::array::from_fn(width);
+    let line = |row: &[String; 6]| {
+        let cells = row.iter().zip(widths).map(|(cell, width)| format!("{cell:width$}"));
         cells.collect::<Vec<_>>().join("  ").trim_end().to_owned()
     };
     let lines: Vec<String> = rows.iter().map(line).collect();
     format!(
-        "{}\n\nPacked: O occlusion, R roughness, S smoothness, M metal, from red on; own: as the map came.\n\
-         `mipfold presets NAME` tells why, and how to load the files; `mipfold build --preset NAME` writes them.",
+        "{}\n\nNormals: the channels, and where green points. Packed: O occlusion, R roughness,\n\
+         S smoothness, M metal, from red on; own: as the map came. Sides: see --resize.\n\n\
+         `mipfold presets NAME` tells why, and how to load the files;\n\
+         `mipfold build --preset NAME` writes them.",
         lines.join("\n")
     )
 }
 
-fn row(preset: &Preset) -> [String; 8] {
+/// In words that `--format`, `--compress` and `--resize` take, where they do.
+fn row(preset: &Preset) -> [String; 6] {
     let texels = match preset.compress {
-        _ if !preset.format.is_texture() => "-",
-        Compress::None => "plain",
-        Compress::Bc => "bc",
-        Compress::Uastc => "uastc",
+        _ if !preset.format.is_texture() => "",
+        Compress::None => " none",
+        Compress::Bc => " bc",
+        Compress::Uastc => " uastc",
     };
+    let green = if preset.normal_y == NormalY::OpenGl { "up" } else { "down" };
     let packed = preset.letters();
+    let sides = match preset.sides {
+        Sides::Any => "any",
+        Sides::MultipleOf4 => "4",
+        Sides::PowerOfTwo => "pot",
+    };
     [
-        preset.name,
-        preset.format.extension(),
-        texels,
-        if preset.normal_z { "xyz" } else { "xy" },
-        if preset.normal_y == NormalY::OpenGl { "up" } else { "down" },
-        if packed.is_empty() { "own" } else { &packed },
-        preset.sides.describe(),
-        preset.engine,
+        preset.name.into(),
+        format!("{}{texels}", preset.format.extension()),
+        format!("{} {green}", if preset.normal_z { "xyz" } else { "xy" }),
+        if packed.is_empty() { "own".into() } else { packed },
+        sides.into(),
+        preset.engine.into(),
     ]
-    .map(String::from)
 }
 
 /// All about one.
 fn page(preset: &Preset) -> String {
-    let [_, container, texels, normals, green, packed, sides, engine] = row(preset);
+    let [_, container, normals, packed, _, engine] = row(preset);
     let levels = if preset.format == Format::Png { ", a file a level" } else { "" };
     let mut lines = vec![format!("{}: {engine}\n", preset.name)];
     for (what, is) in [
         ("container", format!("{container}{levels}")),
-        ("texels", texels),
-        ("normals", format!("{normals}, green {green}")),
+        ("normals", normals),
         ("packed", packed),
-        ("sides", sides),
+        ("sides", preset.sides.describe().into()),
     ] {
         lines.push(format!("  {what:<10} {is}"));
     }

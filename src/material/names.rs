@@ -194,6 +194,10 @@ pub(super) fn meaning_of(stem: &str) -> Option<Meaning> {
         for end in start + 1..=(start + 4).min(words.len()) {
             let joined: String = words[start..end].iter().map(|(word, _)| word.as_str()).collect();
             let single = joined.len() == 1;
+            // `a_orm` is the packed map of a material called a.
+            if end - start > 1 && words[start].0.len() == 1 {
+                continue;
+            }
             let glued = || GLUED.contains(&joined.as_str()) && stands_alone(&words, start..end);
             let Some(kind) = kind_of(&joined).or_else(|| glued().then_some(ROUGH_METAL)) else { continue };
             // What ends last says what the map is; before it stands the material's own name, which may hold such
@@ -304,6 +308,7 @@ mod tests {
             ("T_Wall_MRAO", METAL_ROUGH_OCCLUSION, "T_Wall"),
             ("wall_rmo", ROUGH_METAL_OCCLUSION, "wall"),
             ("wall_MADS", MASK_MAP, "wall"),
+            ("a_orm", OCCLUSION_ROUGH_METAL, "a"),
             ("Wall_MaskMap", MASK_MAP, "Wall"),
             ("wall_mask", Mask, "wall"),
             ("wall_normal_mask", Normal(None), "wall_mask"),

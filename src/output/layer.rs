@@ -5,7 +5,7 @@ use std::io::{Seek, Write};
 
 use super::exr::{further, role_name, view};
 use super::extra::{self, ExtraLevel};
-use super::sheet::Sheet;
+use super::sheet::{Sheet, Source, is_opaque};
 use crate::codec::{Channel, Depth, write_exr};
 use crate::fold::Chain;
 use crate::image::{Raster, Samples, Size};
@@ -59,6 +59,19 @@ impl Rows<'_> {
                 named.map(|(i, (name, role))| ((*plain.get(i).unwrap_or(name)).into(), (*role).into())).collect()
             }
         }
+    }
+
+    /// The channels that a texture for GPUs has of it: all but an alpha that is 1 everywhere.
+    pub fn texture_channels(&self) -> Vec<(String, String)> {
+        let mut channels = self.channels(Encoding::Unsigned);
+        if let Layer::Sheet(i) = self.layer
+            && let Some((_, Source::Channel { map, channel, inverted: false })) = self.sheets[i].channels.last()
+            && channels.len() > 1
+            && is_opaque(self.material, *map, *channel)
+        {
+            channels.pop();
+        }
+        channels
     }
 
     /// Which channels are x and y of a normal, of which a shader makes z.

@@ -238,6 +238,7 @@ fn maps(material: &Material, chain: &Chain, plan: &Plan, request: &Request) -> V
 fn stored(rows: &Rows, container: Format, form: Encoding, request: &Request) -> Vec<ChannelRole> {
     let mut channels = rows.channels(form);
     if container.is_texture() {
+        channels = rows.texture_channels();
         let texels = request.texels(rows, container);
         channels.truncate(texels.channels());
         let used = channels.len();

@@ -3,6 +3,7 @@
 use super::exr::role_name;
 use super::plan::safe_name;
 use super::preset::{Preset, Slot};
+use crate::image::Size;
 use crate::material::{Encoding, LevelView, MapFile, Material, NormalY, Origin, Role, colour};
 
 /// What a channel of an output map shows.
@@ -137,6 +138,20 @@ impl Sheet {
     }
 }
 
+/// Whether a channel is an alpha that says nothing: no role, and 1 everywhere.
+pub fn is_opaque(material: &Material, map: usize, channel: usize) -> bool {
+    let file = &material.maps[map];
+    if file.raster.channels[channel] != "A" || !matches!(file.roles[channel], Role::Other(_)) {
+        return false;
+    }
+    let Size { width, height } = file.raster.size();
+    let mut row = vec![0.0; width];
+    (0..height).all(|y| {
+        file.raster.read(channel, y, 0, &mut row);
+        row.iter().all(|v| *v == 1.0)
+    })
+}
+
 /// A material's maps as an engine packs them: normals with their green its way, and the roughness in its packed map.
 /// A map that has that form already stays what it is.
 pub fn arrange(material: &Material, preset: &Preset) -> Vec<Sheet> {
@@ -191,7 +206,9 @@ pub fn left_out(material: &Material, sheets: &[Sheet]) -> Vec<String> {
     let maps = material.maps.iter().enumerate().filter(|(_, file)| matches!(file.origin, Origin::File { .. }));
     let words = maps.filter_map(|(map, file)| {
         // Gray stored as colour is the same three times.
-        let lost = |c: &usize| !shown(map, *c) && matches!(file.roles[*c], Role::Other(_));
+        let lost = |c: &usize| {
+            !shown(map, *c) && matches!(file.roles[*c], Role::Other(_)) && !is_opaque(material, map, *c)
+        };
         let lost: Vec<_> = (0..file.roles.len()).filter(lost).map(colour).collect();
         (!lost.is_empty()).then(|| {
             format!("{}: {} left out, for the preset's maps have no place for it; --occlusion and --metal name what is packed",
@@ -223,7 +240,7 @@ fn normal_sheet(material: &Material, map: usize, preset: &Preset, prefix: &str) 
     };
     let packed =
         |channel| preset.packed.is_some() && [material.occlusion, material.metal].contains(&Some((map, channel)));
-    let alpha = (0..file.roles.len()).find(|c| kept(&file.roles[*c]) && !packed(*c));
+    let alpha = (0..file.roles.len()).find(|c| kept(&file.roles[*c]) && !packed(*c) && !is_opaque(material, map, *c));
     sources.extend(alpha.map(source));
     if own.channels.iter().map(|(_, source)| *source).eq(sources.iter().copied()) {
         return own;

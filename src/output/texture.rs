@@ -35,7 +35,7 @@ pub fn texel_format(rows: &Rows, compress: Compress, two_channel_normals: bool) 
 
 /// Channels of a map that its texture keeps: z of a normal alone is left out where block compression has a format for two.
 pub fn stored_channels(rows: &Rows, compress: Compress, two_channel_normals: bool) -> usize {
-    let channels = rows.channels(Encoding::Unsigned);
+    let channels = rows.texture_channels();
     let normal = channels.len() == 3 && rows.normal_xy() == Some((0, 1)) && channels[2].1 == "normal.z";
     if normal && two_channel_normals && compress == Compress::Bc { 2 } else { channels.len() }
 }
@@ -53,7 +53,7 @@ pub fn texture_of(rows: &Rows, format: TexelFormat, effort: Effort) -> Texture {
 
 fn blocks(rows: &Rows, level: usize, format: TexelFormat, effort: Effort) -> Vec<u8> {
     let size = rows.size(level);
-    let all = rows.channels(Encoding::Unsigned);
+    let all = rows.texture_channels();
     let normal = format == TexelFormat::Bc5 && rows.normal_xy() == Some((0, 1));
     let with_z = normal && all.get(2).is_some_and(|(_, role)| role == "normal.z");
     let channels = if with_z { 3 } else { all.len().min(format.channels()) };

@@ -154,9 +154,21 @@ pub fn validator() -> Option<std::path::PathBuf> {
     }
 }
 
-/// What the validator says of a model: errors and warnings, each as one text.
+/// What the validator says of a model: errors and warnings, each as one text. Version 2.0.0-dev.3.10 knows no KTX 2, and
+/// warns of each such image twice, whoever made it: that is left out.
 pub fn complaints(validator: &Path, model: &Path) -> Vec<String> {
     let report = super::script(Path::new("node"), "gltf_validate.mjs", &[validator, model]);
-    let told = report["told"].as_array().unwrap();
-    told.iter().map(|one| format!("{} {} {}", one["code"], one["pointer"], one["message"])).collect()
+    let json = Written::read(model).json;
+    let ktx2 = |image: &str| json["images"][image.parse::<usize>().unwrap()]["mimeType"] == "image/ktx2";
+    let unknown = |one: &&Value| {
+        let (code, pointer) = (one["code"].as_str().unwrap(), one["pointer"].as_str().unwrap_or_default());
+        let image = pointer.strip_prefix("/images/");
+        match code {
+            "VALUE_NOT_IN_LIST" => image.and_then(|rest| rest.strip_suffix("/mimeType")).is_some_and(ktx2),
+            "IMAGE_UNRECOGNIZED_FORMAT" => image.is_some_and(ktx2),
+            _ => false,
+        }
+    };
+    let told = report["told"].as_array().unwrap().iter().filter(|one| !unknown(one));
+    told.map(|one| format!("{} {} {}", one["code"], one["pointer"], one["message"])).collect()
 }

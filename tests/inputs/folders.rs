@@ -133,7 +133,7 @@ fn a_dry_run_tells_what_was_understood_and_why() {
         "  roughness: @set/wall_arm.png, green ('arm' in its name)",
         "  occlusion: @set/wall_arm.png, red ('arm' in its name)",
         "  metal: @set/wall_arm.png, blue ('arm' in its name)",
-        "  the normal map's name says DirectX (green is down)",
+        "  the normal map's name says DirectX (green down, -Y)",
         "  wall_arm_mip3.png",
         "passed over: @set/wall_color.png: colour, nothing to fold",
         "passed over: @set/wall_height.png: height, not needed beside a normal map",
@@ -222,6 +222,9 @@ fn a_tree_stays_a_tree() {
     pictures(&desk, &["x/wall_normal.png", "y/wall_normal.png"]);
     desk.build("both", "@x @y");
     assert_eq!(names(&desk.at("both")), ["wall", "wall_2"]);
+    // No set is built twice.
+    let json = said(&desk, "@tex/floor @tex -o @else --dry-run");
+    assert_eq!(json["materials"].as_array().unwrap().len(), 6);
     // One alone, however deep, goes straight to the folder of the outputs.
     desk.build("one", "@tex/floor/Oak");
     assert!(set("one"));

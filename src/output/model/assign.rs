@@ -127,7 +127,7 @@ pub fn assign(text: &str, groups: &[(&Foldable, &[Slot])], keep: bool) -> Assign
         foldable.materials.iter().for_each(|material| out.materials.entry(*material).or_default().0 = group);
     }
 
-    // A texture changes in its place if all who use it want the same.
+    // A texture changes in its place if all who use it want another; where they differ, the first is served there.
     let mut wanted: BTreeMap<usize, BTreeSet<Option<usize>>> = BTreeMap::new();
     for (index, material) in materials.iter().enumerate() {
         for (place, texture) in uses(material) {
@@ -136,7 +136,7 @@ pub fn assign(text: &str, groups: &[(&Foldable, &[Slot])], keep: bool) -> Assign
         }
     }
     for (texture, wanted) in &wanted {
-        if let (1, Some(Some(image)), false) = (wanted.len(), wanted.first().copied(), strange.contains(texture)) {
+        if let (Some(Some(image)), false) = (wanted.first().copied(), strange.contains(texture)) {
             out.replaced.insert(*texture, image);
         }
     }

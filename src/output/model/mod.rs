@@ -12,10 +12,11 @@ mod write;
 
 use std::collections::BTreeSet;
 
-pub use textures::{Folded, FoldedMaterial, Proof, Slot, fold_material};
+pub use textures::{Folded, FoldedMaterial, Left, Proof, Slot, fold_material};
 pub use write::{ModelFiles, sidecar_name};
 
 use serde::Serialize;
+use serde_json::Value;
 use sha2::{Digest, Sha256};
 
 use assign::{Assignment, NewImage, assign, path};
@@ -43,7 +44,7 @@ pub struct ModelOptions {
     pub fold: Options,
     /// One width or two; without, two for materials with anisotropy.
     pub form: Option<Form>,
-    /// UASTC is what glTF allows (`KHR_texture_basisu`); others are read by Bevy and three.js alone.
+    /// UASTC is what glTF allows (`KHR_texture_basisu`); of others only Bevy is known to read them.
     pub compress: Compress,
     /// How much time that may take.
     pub effort: Effort,
@@ -163,8 +164,12 @@ pub fn rewrite(
         }
     }
     for (number, (group, _)) in &plan.materials {
-        let new = material_with(materials[*number], *number, &groups[*group], &plan);
-        edits.replace(materials[*number], new);
+        let (old, new) = (materials[*number], material_with(materials[*number], *number, &groups[*group], &plan));
+        // Not even its blanks, where only what it refers to has changed.
+        let parsed = |text: &str| serde_json::from_str::<Value>(text).ok();
+        if parsed(old).is_none_or(|old| Some(old) != parsed(&new)) {
+            edits.replace(old, new);
+        }
     }
     extensions(text, &mut edits, &plan, groups, options);
     let (main, beside) = package.finish(edits, stem)?;
@@ -235,7 +240,8 @@ fn material_with(material: &str, number: usize, group: &Group, plan: &Assignment
     let index = |texture: usize| [("index", Some(texture.to_string()))];
     // Laid out as the normals are.
     let like_normal = |texture: usize| {
-        let info = with(&group.foldable.normal.info, &[("scale", None), ("extras", None)]);
+        let normal = member(material, "normalTexture").unwrap_or("{}");
+        let info = with(normal, &[("scale", None), ("extras", None)]);
         with(&info, &index(texture))
     };
     let mut changes: Vec<(&str, Option<String>)> = Vec::new();
@@ -258,6 +264,9 @@ fn material_with(material: &str, number: usize, group: &Group, plan: &Assignment
                 let mut inner = vec![("anisotropyTexture", Some(info))];
                 if !group.folded.keeps_strength {
                     inner.push(("anisotropyStrength", Some("1".into())));
+                }
+                if group.foldable.anisotropy.is_none() {
+                    inner.push(("anisotropyRotation", None));
                 }
                 let new = with(extensions, &[(ANISOTROPY, Some(with(own, &inner)))]);
                 changes.push(("extensions", Some(new)));

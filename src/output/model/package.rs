@@ -27,6 +27,9 @@ const ALIGNMENT: usize = 16;
 /// Extensions of buffer views that place data, with members like a view's own.
 const PLACING: [&str; 2] = ["EXT_meshopt_compression", "KHR_meshopt_compression"];
 
+/// The bytes of a model, and the files beside it by their names.
+pub type Whole = (Vec<u8>, Vec<(String, Beside)>);
+
 /// A file beside the model.
 #[derive(Debug)]
 pub enum Beside {
@@ -136,7 +139,7 @@ impl<'a> Package<'a> {
     }
 
     /// The whole file; `edits` has the changes of everything but views and buffers. `stem` names files of buffers.
-    pub fn finish(mut self, mut edits: Edits<'a>, stem: &str) -> Result<(Vec<u8>, Vec<(String, Beside)>)> {
+    pub fn finish(mut self, mut edits: Edits<'a>, stem: &str) -> Result<Whole> {
         let path = self.path;
         let list = |key: &str| member(self.text, key).map_or_else(Vec::new, items);
         let (views, buffers) = (list("bufferViews"), list("buffers"));
@@ -167,12 +170,12 @@ impl<'a> Package<'a> {
             contents[to].extend(&data[from..]);
         }
         let moved = |buffer: usize, offset: usize| -> (usize, usize) {
-            if !changed[buffer] {
+            if changed.get(buffer) != Some(&true) {
                 return (buffer, offset);
             }
             let gone: usize =
                 removed[buffer].iter().take_while(|range| range.end <= offset).map(|range| range.len()).sum();
-            (if self.merges() { 0 } else { buffer }, base[buffer] + offset - gone)
+            (if self.merges() { 0 } else { buffer }, base[buffer].saturating_add(offset - gone))
         };
 
         let mut new_views: Vec<String> = Vec::new();

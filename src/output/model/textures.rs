@@ -67,6 +67,15 @@ pub struct Folded {
     pub level_0: Vec<Proof>,
 }
 
+/// Why a material stays as it is.
+#[derive(Clone, Debug)]
+pub struct Left {
+    /// In words.
+    pub reason: String,
+    /// Whether that was asked for, and so nothing to wonder about.
+    pub plain: bool,
+}
+
 /// A material that was folded, or can be.
 pub struct FoldedMaterial {
     /// Of level 0.
@@ -87,6 +96,9 @@ pub struct FoldedMaterial {
     pub warnings: Vec<String>,
 }
 
+/// What is done to the channels of every texel on their way into a texture.
+type Change = Box<dyn Fn(&mut [f32]) + Sync>;
+
 /// The channels of a picture as they were read.
 struct Seen {
     path: PathBuf,
@@ -105,7 +117,7 @@ pub fn fold_material(
     options: &ModelOptions,
     dry_run: bool,
     done: &(dyn Fn(f64) + Sync),
-) -> Result<std::result::Result<FoldedMaterial, String>> {
+) -> Result<std::result::Result<FoldedMaterial, Left>> {
     let seen: Mutex<Vec<Seen>> = Mutex::default();
     let read = |path: &Path| {
         let decoded = foldable.read(path)?;
@@ -122,7 +134,7 @@ pub fn fold_material(
     let mut material = match load_with(&inputs, &read) {
         Ok(material) => material,
         Err(error @ Error::Io { .. }) => return Err(error),
-        Err(error) => return Ok(Err(error.to_string())),
+        Err(error) => return Ok(Err(Left { reason: error.to_string(), plain: false })),
     };
     let seen = seen.into_inner().expect("no reader panics");
     if material.size.width % 4 != 0 || material.size.height % 4 != 0 {
@@ -135,7 +147,8 @@ pub fn fold_material(
     if form == Form::Anisotropic {
         material.ensure_anisotropy_map();
     }
-    material.notes.retain(|note| !note.starts_with("even anisotropy"));
+    // A model leaves no choice there.
+    material.notes.retain(|note| !note.starts_with("even anisotropy") && !note.starts_with("normal map read as"));
     if foldable.wraps_differ && seen.iter().any(|seen| seen.size != material.size) {
         material.warnings.push("its sampler wraps u and v differently; maps are enlarged as if both were u".into());
     }
@@ -156,7 +169,7 @@ pub fn fold_material(
         let chain = fold_for(&material, &options_here, &[], &|share| done(0.5 * share));
         let gain = gain(&chain);
         if options.skip_if_below.is_some_and(|least| gain.roughness < least) {
-            return Ok(Err(gain.describe()));
+            return Ok(Err(Left { reason: gain.describe(), plain: true }));
         }
         folded.gain = Some(gain);
         write_textures(foldable, options, &mut material, &chain, &seen, &mut folded);
@@ -193,7 +206,7 @@ fn write_textures(
     for (i, slot) in folded.slots.clone().into_iter().enumerate() {
         let rows = Rows { material, chain, sheets: &sheets, layer: Layer::Sheet(i), flipped: false };
         let format = texel_format(options.compress, slot);
-        let mut change: Box<dyn Fn(&mut [f32]) + Sync> = Box::new(|_| ());
+        let mut change: Change = Box::new(|_| ());
         match (slot, &foldable.anisotropy) {
             (Slot::Roughness, _) => {
                 let (factor, largest) = (foldable.factor, largest(&rows, 1));
@@ -268,7 +281,7 @@ fn sheet(material: &Material, slot: Slot) -> Sheet {
 
 fn texel_format(compress: Compress, slot: Slot) -> TexelFormat {
     match (compress, slot) {
-        (Compress::Uastc, _) => TexelFormat::by_name("uastc").unwrap_or(TexelFormat::Bc7),
+        (Compress::Uastc, _) => TexelFormat::Uastc,
         (Compress::Bc, Slot::Normal) => TexelFormat::Bc5,
         (Compress::Bc, _) => TexelFormat::Bc7,
         (Compress::None, _) => TexelFormat::Rgba8,

@@ -8,7 +8,7 @@ use crate::output::Format;
 /// OpenImageIO, and the renderers that read textures with it.
 pub const OIIO: Preset = Preset {
     name: "oiio",
-    engine: "OpenImageIO 3 (Arnold, Cycles, ...)",
+    engine: "OpenImageIO 3, Arnold, Cycles",
     format: Format::Exr,
     compress: Compress::None,
     normal_z: true,

@@ -20,8 +20,10 @@ pub const GODOT: Preset = Preset {
     sides: Sides::MultipleOf4,
     facts: &[
         Fact {
-            text: "KTX 2 files are loaded as they are: there are no import settings, and PNGs would get plain mips.",
-            source: "godotengine/godot, modules/ktx/texture_loader_ktx.cpp, commit 00d7a0bc",
+            text: "KTX 2 files, Zstandard and all, are loaded as they are: there are no import settings, and PNGs would get \
+                   plain mips.",
+            source: "godotengine/godot, modules/ktx/texture_loader_ktx.cpp, commit 00d7a0bc; \
+                     thirdparty/libktx/lib/texture2.c, commit 173c9d2f",
             checked: true,
         },
         Fact {
@@ -98,9 +100,9 @@ pub const UNREAL: Preset = Preset {
             checked: true,
         },
         Fact {
-            text: "Texels come uncompressed, for the engine compresses each level itself after the import.",
+            text: "Of 2D files with mips only uncompressed ones are taken; the engine compresses the levels itself.",
             source: "Unreal Engine forum, How to import custom mip maps? (336593)",
-            checked: true,
+            checked: false,
         },
         Fact { text: "Mips and streaming want sides that are powers of two.", source: "common advice", checked: false },
         Fact {

@@ -18,8 +18,9 @@ pub fn readme(preset: &Preset, written: &Written) -> String {
         let name = last.map_or(file.clone(), |last| format!("{file} to {last}"));
         lines.extend(fill(&format!("{name}: {}", content(preset, map)), "  ", "    "));
     }
-    for aside in (preset.aside)(written) {
-        lines.extend(fill(&format!("{}: goes along, see below", aside.name), "  ", "    "));
+    let asides: Vec<String> = (preset.aside)(written).into_iter().map(|aside| aside.name).collect();
+    if !asides.is_empty() {
+        lines.extend(fill(&format!("{}: see below", asides.join(", ")), "  ", "    "));
     }
     lines.extend(["".into(), "Load them".into()]);
     let files = |of: &dyn Fn(&WrittenMap) -> bool| written.maps.iter().find(|map| of(map)).and_then(Files::of);

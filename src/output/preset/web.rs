@@ -42,14 +42,14 @@ pub const THREE: Preset = Preset {
             checked: true,
         },
         Fact {
-            text: "BC7 and BC5 (--compress bc) work too and are uploaded as they are, on desktop GPUs only.",
+            text: "BC7 and BC5 (--compress bc) are uploaded as they are, where the GPU has them: on desktops.",
             source: "three 0.187.0, examples/jsm/loaders/KTX2Loader.js, FORMAT_MAP",
             checked: true,
         },
         Fact {
-            text: "Maps are multiplied by the material's roughness, metalness and aoMapIntensity: roughness must be 1.",
+            text: "The material's roughness and metalness multiply the map: roughness must be 1.",
             source: "three 0.187.0, src/renderers/shaders/ShaderChunk: roughnessmap_fragment.glsl.js, \
-                     metalnessmap_fragment.glsl.js, aomap_fragment.glsl.js",
+                     metalnessmap_fragment.glsl.js",
             checked: true,
         },
         Fact {
@@ -73,7 +73,7 @@ Make the material. For metals, or with a metal map: metalness: 1.
 /// glTF, whatever reads it.
 pub const GLTF: Preset = Preset {
     name: "gltf",
-    engine: "glTF 2.0 with KHR_texture_basisu",
+    engine: "glTF 2.0, KHR_texture_basisu",
     facts: &[
         Fact {
             text: "Of KTX 2 only ETC1S with BasisLZ, and UASTC with or without Zstandard, are allowed: BC7 is not.",
@@ -91,7 +91,8 @@ pub const GLTF: Preset = Preset {
             checked: true,
         },
         Fact {
-            text: "Readers that lack the extension show nothing of it, unless the texture also names a PNG as its source.",
+            text: "For readers without the extension give the texture a PNG as its source too, and name the extension under \
+                   extensionsUsed only.",
             source: "KHR_texture_basisu, glTF Schema Updates",
             checked: true,
         },
@@ -230,6 +231,11 @@ pub const FILAMENT: Preset = Preset {
         Fact {
             text: "A file that is marked linear is refused where sRGB is asked for.",
             source: "google/filament, libs/ktxreader/src/Ktx2Reader.cpp, commit 10dcfb99",
+            checked: true,
+        },
+        Fact {
+            text: "The steps take metal from blue as it is: so it is 0 where no map of metal came.",
+            source: "mipfold's own",
             checked: true,
         },
     ],

@@ -101,6 +101,8 @@ fn what_blocks_cost_normals() {
     hold("Bc5", &of(TexelFormat::Bc5, Effort::Fast), 49.62, 0.467, 2.37);
     hold("Bc7, fast", &of(TexelFormat::Bc7, Effort::Fast), 39.76, 1.502, 14.69);
     hold("Bc7, slow", &of(TexelFormat::Bc7, Effort::Slow), 44.54, 0.943, 6.04);
+    hold("Uastc, fast", &of(TexelFormat::Uastc, Effort::Fast), 44.28, 0.979, 5.95);
+    hold("Uastc, slow", &of(TexelFormat::Uastc, Effort::Slow), 44.68, 0.943, 5.34);
 }
 
 #[test]
@@ -113,4 +115,6 @@ fn what_blocks_cost_packed_maps() {
     psnr(TexelFormat::Bc4, Effort::Fast, 55.46);
     psnr(TexelFormat::Bc7, Effort::Fast, 42.35);
     psnr(TexelFormat::Bc7, Effort::Slow, 46.85);
+    psnr(TexelFormat::Uastc, Effort::Fast, 45.40);
+    psnr(TexelFormat::Uastc, Effort::Slow, 45.91);
 }

@@ -173,7 +173,7 @@ fn a_uastc_file_that_lies_is_an_error() {
     let pattern = message(with(&|file| put(file, level_0 + 16 * 7, 0x13 | 30 << 20)));
     assert!(pattern.contains("block 7 of level 0 is none of UASTC"), "{pattern}");
     let last = message(with(&|file| file[level_0 - 16] = 0x45));
-    assert!(last.contains("block 0 of level 1 is none of UASTC"), "{last}");
+    assert!(last.contains("block 1 of level 1 is none of UASTC"), "{last}");
 
     let model = |model: u8| message(with(&|file| file[descriptor + 12] = model));
     assert!(model(163).contains("texels of Basis Universal's ETC1S is not supported"), "{}", model(163));

@@ -122,8 +122,8 @@ fn what_a_line_holds_is_all_but_exact() {
         std::array::from_fn(|i| [[10, 20, 30], [73, 83, 93]][usize::from(i > 9)]).map(|[r, g, b]| [r, g, b, 255]),
         24,
     ));
-    all.push((std::array::from_fn(|i| [i as u8 * 16, 250 - i as u8 * 16, 7, 255]), 16 * 3));
-    all.push((std::array::from_fn(|i| [i as u8 * 16, 250 - i as u8 * 16, 7, i as u8 * 10]), 16 * 8));
+    all.push((std::array::from_fn(|i| [i as u8 * 16, 250 - i as u8 * 16, 7, 255]), 16 * 8));
+    all.push((std::array::from_fn(|i| [i as u8 * 16, 250 - i as u8 * 16, 7, i as u8 * 10]), 16 * 24));
     // One channel that goes its own way.
     all.push((std::array::from_fn(|i| [(i as u8 * 7 % 4) * 60, i as u8 / 4 * 30, i as u8 / 4 * 50, 255]), 16 * 2));
     all.push((std::array::from_fn(|i| [i as u8 / 4 * 30, i as u8 / 4 * 50, 9, (i as u8 * 7 % 4) * 60]), 16 * 24));
