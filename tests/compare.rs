@@ -113,7 +113,7 @@ fn wrong_chains_are_refused_by_name() {
     let pair = "normal=@out/n_mip%d.png,roughness=@out/r_mip%d.png";
     refuses(&desk, "@gone", &["gone", "no such folder or file"]);
     refuses(&desk, "@n.png", &["n.png", "a single file"]);
-    refuses(&desk, "@out,container=ktx", &["container=ktx", "png, exr or lobes"]);
+    refuses(&desk, "@out,container=ktx", &["container=ktx", "png, ktx2, dds, exr or lobes"]);
     refuses(&desk, "@out,normal-y=directx", &["normal-y", "manifest"]);
     refuses(&desk, &format!("{pair},colour=x"), &["colour=x", "normal-scale"]);
     refuses(&desk, &format!("{pair},normal=x"), &["normal twice"]);

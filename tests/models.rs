@@ -406,6 +406,39 @@ fn nothing_is_written_over_or_of_broken_models() {
     broken(&|json| json["textures"][0]["source"] = 1_000_000.into(), "1000000");
     broken(&|json| json["materials"][0]["normalTexture"]["index"] = 50.into(), "50");
     broken(&|json| json["materials"] = "many".into(), "\"many\"");
+    broken(&|json| json["extensionsUsed"] = json!({}), "members of other kinds");
+    desk.refuses("@in.glb -o @out.glb --fallback --compress bc", "--fallback");
+    // Files of a .gltf, its outputs, and both under one name.
+    std::fs::create_dir_all(desk.at("set/sub")).unwrap();
+    let text = |buffer: &str, image: &str| {
+        let mut json = scene.json.clone();
+        json["buffers"][0]["uri"] = buffer.into();
+        json["images"][2] = json!({ "uri": image });
+        desk.file("set/in.gltf", json.to_string().as_bytes());
+    };
+    let colours = colours();
+    for name in ["out.bin", "out.mipfold.json", "colours.png"] {
+        desk.file(&format!("set/{name}"), if name.ends_with("bin") { &scene.binary } else { &colours });
+    }
+    text("out.bin", "colours.png");
+    desk.refuses("@set/in.gltf -o @set/out.gltf --force", "also an input");
+    text("out.bin", "out.mipfold.json");
+    desk.refuses("@set/in.gltf -o @new/out.gltf", "two files of this name");
+    // A picture in a folder that is called as the new model.
+    std::fs::create_dir_all(desk.at("set/a.gltf")).unwrap();
+    desk.file("set/a.gltf/c.png", &colours);
+    text("out.bin", "a.gltf/c.png");
+    desk.refuses("@set/in.gltf -o @new/a.gltf", "a file and a folder of this name");
+    // A buffer that changes gets a name that none of the files that stay has.
+    let mut json = scene.json.clone();
+    json["buffers"] =
+        json!([{ "byteLength": scene.binary.len(), "uri": "first.bin" }, { "byteLength": 4, "uri": "new.bin" }]);
+    desk.file("set/in.gltf", json.to_string().as_bytes());
+    desk.file("set/first.bin", &scene.binary);
+    desk.file("set/new.bin", b"kept");
+    let (code, stderr) = desk.run("build @set/in.gltf -o @new/new.gltf");
+    assert_eq!(code, Some(0), "{stderr}");
+    assert_eq!(std::fs::read(desk.at("new/new.bin")).unwrap(), b"kept");
     let odd: Vec<_> =
         pictures().into_iter().map(|(name, _)| (name, png(30, |x, y| bump(x, y, 15).map(encode8)))).collect();
     desk.file("odd.glb", &Scene::new(json!([bumpy()]), &odd, json!({})).glb());

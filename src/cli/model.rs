@@ -202,6 +202,10 @@ fn options(args: &BuildArgs) -> Result<ModelOptions> {
     if fold.lobes > 1 {
         return refuse("--lobes", &format!("{} lobes", fold.lobes), "iso or aniso: a glTF material has one lobe");
     }
+    if args.model.fallback && containers.compress.is_some_and(|compress| compress != Compress::Uastc) {
+        let expected = "uastc: only KHR_texture_basisu has a place for another picture beside it";
+        return refuse("--fallback", "another --compress than uastc", expected);
+    }
     let request = containers.request(Path::new(""), false);
     Ok(ModelOptions {
         fold,

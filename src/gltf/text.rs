@@ -160,7 +160,7 @@ pub(crate) fn numbers<'a>(text: &'a str, known: impl Fn(&str) -> bool) -> Vec<Nu
             b'}' | b']' if depth > 1 => drop(stack.pop()),
             b'-' | b'0'..=b'9' => {
                 let length = bytes[at..].iter().take_while(|b| b"+-.eE0123456789".contains(b)).count();
-                let value = text[at..at + length].parse().ok();
+                let value = whole(&text[at..at + length]);
                 found.extend(value.map(|value| Number { key: top.key, strange, value }));
                 at += length - 1;
             }
@@ -169,6 +169,12 @@ pub(crate) fn numbers<'a>(text: &'a str, known: impl Fn(&str) -> bool) -> Vec<Nu
         at += 1;
     }
     found
+}
+
+/// An index, however it is spelt: `1`, `1.0`.
+pub(crate) fn whole(text: &str) -> Option<usize> {
+    let float = || text.parse::<f64>().ok().filter(|v| v.fract() == 0.0 && (0.0..1e15).contains(v)).map(|v| v as usize);
+    text.parse().ok().or_else(float)
 }
 
 #[derive(Default)]

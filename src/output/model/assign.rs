@@ -3,17 +3,31 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::textures::Slot;
-use crate::gltf::text::{at, items, member, members, numbers};
+use crate::gltf::text::{at, items, member, members, numbers, whole};
 use crate::material::Foldable;
 
 /// Extensions whose indices are known: those of textures and images are looked up where they are, or there are none.
-const KNOWN: [&str; 14] = [
+const KNOWN: [&str; 28] = [
     "KHR_texture_transform",
     "KHR_texture_basisu",
     "EXT_texture_webp",
     "EXT_texture_avif",
     "MSFT_texture_dds",
     "KHR_lights_punctual",
+    "KHR_materials_anisotropy",
+    "KHR_materials_clearcoat",
+    "KHR_materials_diffuse_transmission",
+    "KHR_materials_dispersion",
+    "KHR_materials_emissive_strength",
+    "KHR_materials_ior",
+    "KHR_materials_iridescence",
+    "KHR_materials_pbrSpecularGlossiness",
+    "KHR_materials_sheen",
+    "KHR_materials_specular",
+    "KHR_materials_transmission",
+    "KHR_materials_unlit",
+    "KHR_materials_variants",
+    "KHR_materials_volume",
     "KHR_mesh_quantization",
     "KHR_draco_mesh_compression",
     "KHR_animation_pointer",
@@ -26,7 +40,7 @@ const KNOWN: [&str; 14] = [
 
 /// Whether what an extension refers to is known.
 pub fn is_known(extension: &str) -> bool {
-    KNOWN.contains(&extension) || extension.starts_with("KHR_materials_")
+    KNOWN.contains(&extension)
 }
 
 /// An image that is to be made.
@@ -81,7 +95,7 @@ enum Place {
 fn images_of(texture: &str) -> Vec<usize> {
     let extensions = member(texture, "extensions").map_or_else(Vec::new, members);
     let others = extensions.into_iter().filter_map(|(_, text)| member(text, "source"));
-    member(texture, "source").into_iter().chain(others).filter_map(|text| text.parse().ok()).collect()
+    member(texture, "source").into_iter().chain(others).filter_map(whole).collect()
 }
 
 /// Decides, for folded materials and the slots that each has. `text` is the file's JSON; with `keep`, old images stay as
@@ -116,12 +130,6 @@ pub fn assign(text: &str, groups: &[(&Foldable, &[Slot])], keep: bool) -> Assign
                 {
                     shown.insert((material, Place::Occlusion), (occlusion, image));
                 }
-            }
-            // A texture that did not exist replaces none.
-            if own.is_none() {
-                foldable.materials.iter().for_each(|material| {
-                    out.materials.entry(*material).or_default().0 = group;
-                });
             }
         }
         foldable.materials.iter().for_each(|material| out.materials.entry(*material).or_default().0 = group);
@@ -182,7 +190,7 @@ pub fn assign(text: &str, groups: &[(&Foldable, &[Slot])], keep: bool) -> Assign
 }
 
 fn index(info: Option<&str>) -> Option<usize> {
-    member(info?, "index")?.parse().ok()
+    whole(member(info?, "index")?)
 }
 
 /// The texture of a slot of a material.

@@ -120,7 +120,7 @@ pub fn rewrite(
             }
             Place::Inline => [("bufferView", None), ("uri", Some(quoted(&data_uri("image/ktx2", &bytes))))],
             Place::File => {
-                let name = free_name(&format!("{stem}_{}", plain(&name)), &package);
+                let name = package.free_name(&format!("{stem}_{}", plain(&name)), "ktx2", |_| true);
                 package.files.push((name.clone(), package::Beside::Bytes(bytes)));
                 file = Some(name.clone());
                 [("bufferView", None), ("uri", Some(quoted(&name)))]
@@ -172,8 +172,9 @@ pub fn rewrite(
         }
     }
     extensions(text, &mut edits, &plan, groups, options);
+    let inputs = package.inputs()?;
     let (main, beside) = package.finish(edits, stem)?;
-    Ok((ModelFiles { main, beside }, about))
+    Ok((ModelFiles { main, beside, inputs }, about))
 }
 
 /// A name for an image.
@@ -188,19 +189,6 @@ fn image_name(old: Option<&str>, new: &NewImage, group: &Group) -> String {
 fn plain(name: &str) -> String {
     let plain = |c: char| if c.is_ascii_alphanumeric() || "-_".contains(c) { c } else { '_' };
     name.chars().map(plain).take(80).collect()
-}
-
-/// A name that no file of the model has; file systems that ignore case exist.
-fn free_name(base: &str, package: &Package) -> String {
-    let uris = package.document.images.iter().filter_map(|image| image.uri.as_deref());
-    let buffers = package.document.buffers.iter().filter_map(|buffer| buffer.uri.as_deref());
-    let uris: Vec<&str> = uris.chain(buffers).filter(|uri| !uri.starts_with("data:")).collect();
-    let taken = |name: &String| {
-        let files = package.files.iter().map(|(name, _)| name.as_str());
-        files.chain(uris.iter().copied()).any(|other| other.eq_ignore_ascii_case(name))
-    };
-    let mut names = (1..).map(|n| if n == 1 { format!("{base}.ktx2") } else { format!("{base}_{n}.ktx2") });
-    names.find(|name| !taken(name)).expect("some number is free")
 }
 
 fn mime_type(bytes: &[u8]) -> Option<&'static str> {
@@ -247,6 +235,13 @@ fn material_with(material: &str, number: usize, group: &Group, plan: &Assignment
     let mut changes: Vec<(&str, Option<String>)> = Vec::new();
     for (slot, texture) in &uses.textures {
         let old = at(material, path(*slot));
+        // One that was not there is made for the layout of the normals, whatever the material says of it.
+        let made = match slot {
+            Slot::Normal => false,
+            Slot::Roughness => group.foldable.roughness.is_none(),
+            Slot::Anisotropy => group.foldable.anisotropy.as_ref().is_none_or(|a| a.texture.is_none()),
+        };
+        let old = old.filter(|_| !made);
         let info = old.map_or_else(|| like_normal(*texture), |info| with(info, &index(*texture)));
         match slot {
             Slot::Normal => changes.push(("normalTexture", Some(info))),

@@ -138,6 +138,31 @@ impl<'a> Package<'a> {
         self.dropped = given_up.filter(|view| users.get(view) == Some(&0)).collect();
     }
 
+    /// The files beside the model that it names.
+    pub fn inputs(&self) -> Result<Vec<PathBuf>> {
+        self.files_of(|_| true)
+    }
+
+    /// The files of its images, and of those buffers.
+    fn files_of(&self, buffer: impl Fn(usize) -> bool) -> Result<Vec<PathBuf>> {
+        let images = self.document.images.iter().filter_map(|image| image.uri.as_deref());
+        let buffers = self.document.buffers.iter().enumerate().filter(|(b, _)| buffer(*b));
+        let buffers = buffers.filter_map(|(_, buffer)| buffer.uri.as_deref());
+        let files = images.chain(buffers).filter(|uri| !uri.starts_with("data:"));
+        files.map(|uri| beside(self.path, uri, "a uri")).collect()
+    }
+
+    /// A name that no file of the model has, but for buffers that get another; file systems that ignore case exist.
+    pub fn free_name(&self, base: &str, ending: &str, stays: impl Fn(usize) -> bool) -> String {
+        // A uri that names no file is told of where it is read.
+        let inputs = self.files_of(stays).unwrap_or_default();
+        let inputs: Vec<String> = inputs.iter().map(|file| relative(self.path, file)).collect();
+        let names = self.files.iter().map(|(name, _)| name).chain(&inputs);
+        let taken: BTreeSet<String> = names.map(|name| name.to_lowercase()).collect();
+        let name = |n: usize| if n == 1 { format!("{base}.{ending}") } else { format!("{base}_{n}.{ending}") };
+        (1..).map(name).find(|name| !taken.contains(&name.to_lowercase())).expect("some number is free")
+    }
+
     /// The whole file; `edits` has the changes of everything but views and buffers. `stem` names files of buffers.
     pub fn finish(mut self, mut edits: Edits<'a>, stem: &str) -> Result<Whole> {
         let path = self.path;
@@ -225,7 +250,7 @@ impl<'a> Package<'a> {
                     let uri = quoted(&data_uri("application/octet-stream", &content));
                     edits.replace(buffers[b], with(buffers[b], &[("uri", Some(uri)), ("byteLength", length)]));
                 } else {
-                    let name = if b == 0 { format!("{stem}.bin") } else { format!("{stem}_{b}.bin") };
+                    let name = self.free_name(stem, "bin", |b| !changed[b]);
                     let uri = Some(quoted(&name));
                     edits.replace(buffers[b], with(buffers[b], &[("uri", uri), ("byteLength", length)]));
                     self.files.push((name, Beside::Bytes(content)));
@@ -243,6 +268,11 @@ impl<'a> Package<'a> {
         }
         edits.add(self.text, &at_root);
         let text = edits.apply();
+        // Files say what they should not, and what is added to it is then no JSON.
+        serde_json::from_str::<serde::de::IgnoredAny>(&text).map_err(|error| {
+            let found = format!("members of other kinds than glTF's, which cannot be changed ({error})");
+            Error::invalid(path, found, "lists and objects as glTF 2.0 has them")
+        })?;
         let main = if self.to_binary { binary(path, &text, chunk, &self.others)? } else { text.into_bytes() };
         Ok((main, self.files))
     }

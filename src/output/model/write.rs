@@ -17,6 +17,8 @@ pub struct ModelFiles {
     /// The model itself.
     pub main: Vec<u8>,
     pub(super) beside: Vec<(String, Beside)>,
+    /// Files of the input, beside the model.
+    pub(super) inputs: Vec<PathBuf>,
 }
 
 /// The name of the file that says what was done, for a model of this name.
@@ -51,12 +53,9 @@ impl ModelFiles {
         {
             return Err(Error::invalid(there, "a file", "a folder; choose another -o"));
         }
+        self.apart(output)?;
         let earlier = earlier(output);
-        let inputs = self.beside.iter().filter_map(|(_, beside)| match beside {
-            Beside::Copy(from) => Some(from.as_path()),
-            Beside::Bytes(_) => None,
-        });
-        let inputs: Vec<&Path> = inputs.chain([input]).collect();
+        let inputs: Vec<&Path> = self.inputs.iter().map(PathBuf::as_path).chain([input]).collect();
         for name in self.names(output) {
             let path = folder.join(&name);
             if inputs.iter().any(|input| same_path(input, &path)) {
@@ -79,6 +78,36 @@ impl ModelFiles {
             }
         }
         Ok(())
+    }
+
+    /// Refuses two files of one name, and a file in the place of another's folder.
+    fn apart(&self, output: &Path) -> Result<()> {
+        let main = output.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let own = [(main, None), (sidecar_name(output), None)];
+        let beside = self.beside.iter().map(|(name, beside)| (name.clone(), Some(beside)));
+        let mut taken: BTreeMap<String, Option<&Beside>> = BTreeMap::new();
+        for (name, beside) in own.into_iter().chain(beside) {
+            let same = |there: &Option<&Beside>| match (there, beside) {
+                // One file that is named twice.
+                (Some(Beside::Copy(a)), Some(Beside::Copy(b))) => same_path(a, b),
+                _ => false,
+            };
+            let lower = name.to_lowercase();
+            if taken.get(&lower).is_some_and(|there| !same(there)) {
+                let found = "two files of this name, one of them of the model's own";
+                return Err(Error::invalid(&folder(output).join(name), found, "another name for -o"));
+            }
+            taken.insert(lower, beside);
+        }
+        let folders = taken.keys().flat_map(|name| Path::new(name).ancestors().skip(1).map(Path::to_owned));
+        let folders: Vec<PathBuf> = folders.collect();
+        match taken.keys().find(|name| folders.iter().any(|folder| folder == Path::new(name))) {
+            None => Ok(()),
+            Some(name) => {
+                let found = "a file and a folder of this name";
+                Err(Error::invalid(&folder(output).join(name), found, "another name for -o"))
+            }
+        }
     }
 
     /// Writes all files; none appears before all are written. The sidecar comes last.
