@@ -4,22 +4,20 @@
 //! some damaged files. The bounds of everything are checked here first.
 
 use std::io::{self, Read, Write};
-use std::num::NonZeroU8;
 
-use ::ktx2::dfd::{Basic, Block, ChannelTypeQualifiers, DataFormatFlags, SampleInformation};
-use ::ktx2::{
-    ColorModel, Format, Header, Index, KeyValueDataIterator, LevelIndex, SupercompressionScheme, TransferFunction,
-};
+use ::ktx2::{ColorModel, Format, Header, Index, KeyValueDataIterator, LevelIndex, SupercompressionScheme};
 use miniz_oxide::inflate::decompress_to_vec_zlib_with_limit;
 use rayon::prelude::*;
 use ruzstd::decoding::StreamingDecoder;
 use ruzstd::encoding::{CompressionLevel, compress_to_vec};
 
 use super::layout::{Kind, Layout};
-use super::{TexelFormat, Texture, uastc};
+use super::{TexelFormat, Texture};
 use crate::codec::Source;
 use crate::error::Result;
 use crate::image::{Raster, Size};
+
+mod descriptor;
 
 const WRITER: &str = concat!("mipfold ", env!("CARGO_PKG_VERSION"));
 
@@ -44,7 +42,7 @@ pub fn write_ktx2(mut out: impl Write, texture: &Texture, zstd: bool) -> io::Res
         if zstd { texture.levels.par_iter().map(|level| compress(level)).collect() } else { Vec::new() };
     let levels = if zstd { &packed } else { &texture.levels };
 
-    let descriptor = descriptor(texture);
+    let descriptor = descriptor::write(texture);
     let values = [entry("KTXorientation", "rd"), entry("KTXwriter", WRITER)].concat();
     let descriptor_at = Header::LENGTH + levels.len() * LevelIndex::LENGTH;
     let values_at = descriptor_at + descriptor.len();
@@ -104,48 +102,6 @@ fn alignment(format: TexelFormat) -> usize {
 fn type_size(format: TexelFormat) -> u32 {
     if format.block_side() > 1 { 1 } else { (format.block_bytes() / format.channels()) as u32 }
 }
-
-/// The data format descriptor with its length.
-fn descriptor(texture: &Texture) -> Vec<u8> {
-    let linear = Some(TransferFunction::Linear);
-    let mut basic = match texture.format.vk_format().and_then(Format::new) {
-        Some(number) => Basic::from_format_with(number, false, linear, None, None).expect("a common format").0,
-        None => universal_descriptor(texture),
-    };
-    // Not the primaries of a display: these are no colours.
-    basic.color_primaries = None;
-    let block = Block::Basic(basic).to_vec();
-    [&(block.len() as u32 + 4).to_le_bytes(), block.as_slice()].concat()
-}
-
-/// Of UASTC: one sample of 128 bit, whatever its channels are (KTX 2.0.4, 3.10.2; Khronos Data Format 1.4, 5.6.15).
-fn universal_descriptor(texture: &Texture) -> Basic {
-    let has_alpha = texture.levels.par_iter().any(|level| level.as_chunks().0.iter().any(uastc::has_alpha));
-    let side = NonZeroU8::new(4).expect("4 is not 0");
-    let one = NonZeroU8::MIN;
-    Basic {
-        color_model: Some(ColorModel::UASTC),
-        color_primaries: None,
-        transfer_function: Some(TransferFunction::Linear),
-        flags: DataFormatFlags::STRAIGHT_ALPHA,
-        texel_block_dimensions: [side, side, one, one],
-        bytes_planes: [16, 0, 0, 0, 0, 0, 0, 0],
-        sample_information: vec![SampleInformation {
-            bit_offset: 0,
-            bit_length: NonZeroU8::new(128).expect("128 is not 0"),
-            channel_type: if has_alpha { RGBA } else { RGB },
-            channel_type_qualifiers: ChannelTypeQualifiers::empty(),
-            sample_positions: [0; 4],
-            lower: 0,
-            upper: u32::MAX,
-        }],
-    }
-}
-
-/// Channels of UASTC: of three, of four, and two of which the second is in alpha.
-const RGB: u8 = 0;
-const RGBA: u8 = 3;
-const RRRG: u8 = 5;
 
 /// A key and a text, with their length, filled up to a multiple of 4.
 fn entry(key: &str, value: &str) -> Vec<u8> {
@@ -270,20 +226,13 @@ const ETC1S: &str = "texels of Basis Universal's ETC1S";
 
 /// How texels without a `VkFormat` lie: by the colour model of the descriptor.
 fn described_layout(source: &Source, header: &Header) -> Result<Layout> {
-    let descriptor = section(source, header.index.dfd_byte_offset, header.index.dfd_byte_length);
-    match descriptor.get(MODEL_AT).and_then(|model| ColorModel::new(*model)) {
+    match descriptor::model(section(source, header.index.dfd_byte_offset, header.index.dfd_byte_length)) {
         Some(ColorModel::UASTC) => Ok(Layout::plain(Kind::Uastc, 4)),
         Some(ColorModel::ETC1S) => Err(source.unsupported(ETC1S, SUPPORTED)),
         Some(other) => Err(source.unsupported(format!("texels of no VkFormat and colour model {other:?}"), SUPPORTED)),
         None => Err(source.unsupported("texels of no VkFormat and no colour model", SUPPORTED)),
     }
 }
-
-/// In a descriptor: the colour model, after its length and two words of a block's header; the transfer function; and
-/// the channel of the first sample.
-const MODEL_AT: usize = 12;
-const TRANSFER_AT: usize = 14;
-const CHANNEL_AT: usize = 31;
 
 /// As much of a section as there is.
 fn section<'a>(source: &Source<'a>, from: u32, length: u32) -> &'a [u8] {
@@ -383,10 +332,10 @@ fn notes(source: &Source, header: &Header, srgb: bool) -> Vec<String> {
     let Index { dfd_byte_offset, dfd_byte_length, kvd_byte_offset, kvd_byte_length, .. } = header.index;
     let descriptor = section(source, dfd_byte_offset, dfd_byte_length);
     let mut notes = Vec::new();
-    if srgb || descriptor.get(TRANSFER_AT) == Some(&TransferFunction::SRGB.value()) {
+    if srgb || descriptor::is_srgb(descriptor) {
         notes.push("KTX 2 says its data is sRGB: ignored, data is taken as linear".to_owned());
     }
-    if header.format.is_none() && descriptor.get(CHANNEL_AT).is_some_and(|channel| channel & 15 == RRRG) {
+    if header.format.is_none() && descriptor::has_second_in_alpha(descriptor) {
         notes.push("KTX 2 has its second channel in alpha: left there".to_owned());
     }
     let mut seen = Vec::new();
