@@ -73,7 +73,7 @@ pub fn write_with(
                 let texels = request.texels(&rows, format);
                 let texture = texture_of(&rows, texels, request.effort);
                 match format {
-                    Format::Ktx2 => write_ktx2(out, &texture, true),
+                    Format::Ktx2 => write_ktx2(out, &texture, Some(request.effort)),
                     _ if request.dds9 => write_dds9(out, &texture),
                     _ => write_dds(out, &texture),
                 }

@@ -87,7 +87,7 @@ pub(super) fn samples_of_all_formats() -> Vec<(&'static str, Vec<u8>)> {
         texture::Texture::encode(&[raster], texture::TexelFormat::Rgba8, texture::Effort::Fast)
     };
     let (mut ktx2, mut dds) = (Vec::new(), Vec::new());
-    texture::write_ktx2(&mut ktx2, &texture, true).unwrap();
+    texture::write_ktx2(&mut ktx2, &texture, Some(texture::Effort::Fast)).unwrap();
     texture::write_dds(&mut dds, &texture).unwrap();
     vec![
         ("a.png", png_of(Samples::U8(rgb.clone()))),

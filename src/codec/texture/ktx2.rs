@@ -8,11 +8,11 @@ use std::io::{self, Read, Write};
 use ::ktx2::{ColorModel, Format, Header, Index, KeyValueDataIterator, LevelIndex, SupercompressionScheme};
 use miniz_oxide::inflate::decompress_to_vec_zlib_with_limit;
 use rayon::prelude::*;
+use rusty_zstd::{CompressOptions, compress_with};
 use ruzstd::decoding::StreamingDecoder;
-use ruzstd::encoding::{CompressionLevel, compress_to_vec};
 
 use super::layout::{Kind, Layout};
-use super::{TexelFormat, Texture};
+use super::{Effort, TexelFormat, Texture};
 use crate::codec::Source;
 use crate::error::Result;
 use crate::image::{Raster, Size};
@@ -28,19 +28,20 @@ const ZSTD_BOUND: u64 = 1 << 15;
 const ZLIB_BOUND: u64 = 1032;
 
 /// Writes a KTX 2 file: one 2D picture with its levels, linear, primaries unspecified, rows from the top (`KTXorientation`
-/// `rd`). With `zstd`, each level is compressed by itself, if only at Zstandard's fastest level.
+/// `rd`). With `zstd`, each level is compressed by itself with Zstandard, at level 6 or, slow, at level 18.
 ///
 /// UASTC is as `KHR_texture_basisu` of glTF has it, which asks for sides of level 0 that are multiples of 4, too; it is
 /// said to have no alpha if no block has.
 ///
 /// # Errors
 /// Whatever `out` returns; [`io::ErrorKind::InvalidInput`] if the levels are not those of the size and the format;
-/// [`io::ErrorKind::Unsupported`] for sides beyond 2^32.
-pub fn write_ktx2(mut out: impl Write, texture: &Texture, zstd: bool) -> io::Result<()> {
+/// [`io::ErrorKind::Unsupported`] for sides beyond 2^32; [`io::ErrorKind::Other`] if compressed bytes do not unpack to what
+/// they were made of.
+pub fn write_ktx2(mut out: impl Write, texture: &Texture, zstd: Option<Effort>) -> io::Result<()> {
     texture.check()?;
-    let packed: Vec<Vec<u8>> =
-        if zstd { texture.levels.par_iter().map(|level| compress(level)).collect() } else { Vec::new() };
-    let levels = if zstd { &packed } else { &texture.levels };
+    let packed = zstd.map(|effort| texture.levels.par_iter().map(|level| compress(level, effort)).collect());
+    let packed: Option<Vec<Vec<u8>>> = packed.transpose()?;
+    let levels = packed.as_ref().unwrap_or(&texture.levels);
 
     let descriptor = descriptor::write(texture);
     let values = [entry("KTXorientation", "rd"), entry("KTXwriter", WRITER)].concat();
@@ -56,7 +57,7 @@ pub fn write_ktx2(mut out: impl Write, texture: &Texture, zstd: bool) -> io::Res
         layer_count: 0,
         face_count: 1,
         level_count: levels.len() as u32,
-        supercompression_scheme: zstd.then_some(SupercompressionScheme::Zstandard),
+        supercompression_scheme: zstd.map(|_| SupercompressionScheme::Zstandard),
         index: Index {
             dfd_byte_offset: descriptor_at as u32,
             dfd_byte_length: descriptor.len() as u32,
@@ -68,7 +69,7 @@ pub fn write_ktx2(mut out: impl Write, texture: &Texture, zstd: bool) -> io::Res
     };
 
     // The smallest level comes first, so that a file that is still arriving can be shown.
-    let alignment = if zstd { 1 } else { alignment(texture.format) };
+    let alignment = if zstd.is_some() { 1 } else { alignment(texture.format) };
     let mut end = values_at + values.len();
     let mut index: Vec<LevelIndex> = Vec::with_capacity(levels.len());
     for (level, full) in levels.iter().zip(&texture.levels).rev() {
@@ -111,17 +112,22 @@ fn entry(key: &str, value: &str) -> Vec<u8> {
     bytes
 }
 
-/// A Zstandard frame that says how long its content is. The crate leaves that out, and simple decoders, which allocate
-/// as much, depend on it (RFC 8878, 3.1.1.1: magic number, descriptor, window, content size).
-fn compress(level: &[u8]) -> Vec<u8> {
-    let mut frame = compress_to_vec(level, CompressionLevel::Fastest);
-    const CONTENT_SIZE_FLAG: u8 = 0b1100_0000;
-    const SINGLE_SEGMENT: u8 = 0b0010_0000;
-    if frame[4] & (CONTENT_SIZE_FLAG | SINGLE_SEGMENT) == 0 {
-        frame[4] |= CONTENT_SIZE_FLAG;
-        frame.splice(6..6, (level.len() as u64).to_le_bytes());
+/// A Zstandard frame that says how long its content is, for simple decoders allocate as much, and has its checksum.
+///
+/// Encoder and decoder are of different authors: what both agree on is no mistake of one.
+fn compress(level: &[u8], effort: Effort) -> io::Result<Vec<u8>> {
+    let number = match effort {
+        Effort::Fast => 6,
+        Effort::Slow => 18,
+    };
+    let frame = compress_with(level, CompressOptions { level: number, checksum: true }).map_err(io::Error::other)?;
+    let mut back = Vec::with_capacity(level.len());
+    StreamingDecoder::new(frame.as_slice()).map_err(io::Error::other)?.read_to_end(&mut back)?;
+    if back == level {
+        Ok(frame)
+    } else {
+        Err(io::Error::other("Zstandard data does not unpack to what it is made of"))
     }
-    frame
 }
 
 const SUPPORTED: &str = "one 2D picture of 8 or 16 bit, half or float, BC1, BC3, BC4, BC5, BC7 or UASTC, plain or with \

@@ -247,7 +247,7 @@ fn write_textures(
             encoded(&rows, format, options.effort, &change)
         };
         let mut bytes = Vec::new();
-        write_ktx2(&mut bytes, &texture, true).expect("memory takes everything");
+        write_ktx2(&mut bytes, &texture, Some(options.effort)).expect("memory takes everything");
         let level_0 = proofs(&rows, &sheets[i], seen, &change);
         folded.textures.push(Folded { slot, bytes, format, level_0 });
     }

@@ -26,7 +26,7 @@ fn a_ktx_2_file_byte_by_byte() {
     expected.extend(b"\x18\0\0\0KTXwriter\0mipfold 0.1.0\0");
     expected.extend([9, 0, 0, 0, 1, 2, 3]);
     assert_eq!(env!("CARGO_PKG_VERSION"), "0.1.0", "the length of the version is part of the bytes above");
-    assert_eq!(ktx2_of(&texture, false), expected);
+    assert_eq!(ktx2_of(&texture, None), expected);
 }
 
 /// Colour model, bytes a plane, type size and samples (offset, bits, channel and qualifiers, most) of each format.
@@ -60,7 +60,7 @@ fn every_descriptor_fits_its_format() {
         (166, 1, vec![(0, 128, 3, 0, u32::MAX)]),
     ];
     for (format, (model, type_size, samples)) in TexelFormat::all().zip(expected) {
-        let file = ktx2_of(&texture(Size::new(8, 8), format), false);
+        let file = ktx2_of(&texture(Size::new(8, 8), format), None);
         let at = 80 + 4 * 24;
         let block = 24 + 16 * samples.len() as u32;
         let sides = if format.block_side() == 4 { 0x0303 } else { 0 };
@@ -80,7 +80,7 @@ fn uastc_without_alpha_says_so() {
             Array3::from_shape_fn((8, 8, 4), |(y, x, c)| if c == 3 { 255 } else { (9 * x + 3 * y + c) as u8 });
         let solid = Array3::from_shape_fn((4, 4, 4), |(_, _, c)| if c == 3 { alpha } else { 9 });
         let levels = [Raster::new(Samples::U8(samples)), Raster::new(Samples::U8(solid))];
-        ktx2_of(&Texture::encode(&levels, TexelFormat::Uastc, Effort::Fast), false)[80 + 2 * 24 + 31]
+        ktx2_of(&Texture::encode(&levels, TexelFormat::Uastc, Effort::Fast), None)[80 + 2 * 24 + 31]
     };
     assert_eq!([channel(255), channel(254)], [0, 3]);
 }
@@ -88,25 +88,32 @@ fn uastc_without_alpha_says_so() {
 /// Multiples of a block, of 4 at least; or none where packed.
 #[test]
 fn ktx_2_levels_are_aligned_and_the_smallest_comes_first() {
-    for (format, zstd) in TexelFormat::all().flat_map(|format| [(format, false), (format, true)]) {
+    for (format, zstd) in TexelFormat::all().flat_map(|format| PACKINGS.map(|zstd| (format, zstd))) {
         let file = ktx2_of(&texture(Size::new(100, 36), format), zstd);
         let word = |at: usize| u64::from_le_bytes(file[at..at + 8].try_into().unwrap());
         let levels: Vec<_> = (0..7).map(|k| (word(80 + 24 * k), word(88 + 24 * k), word(96 + 24 * k))).collect();
-        let alignment = if zstd { 1 } else { format.block_bytes().max(4) as u64 };
+        let alignment = if zstd.is_some() { 1 } else { format.block_bytes().max(4) as u64 };
         for (k, (offset, length, unpacked)) in levels.iter().enumerate() {
             assert_eq!(offset % alignment, 0);
             assert_eq!(*unpacked, format.bytes(Size::new(100, 36).level(k)) as u64);
-            assert!(zstd || length == unpacked);
+            assert!(zstd.is_some() || length == unpacked);
             let next = if k == 0 { file.len() as u64 } else { levels[k - 1].0 };
             assert_eq!((offset + length).next_multiple_of(if k == 0 { 1 } else { alignment }), next);
         }
-        assert_eq!(file[44], if zstd { 2 } else { 0 });
-        if zstd {
-            // A frame says how long its content is.
+        assert_eq!(file[44], if zstd.is_some() { 2 } else { 0 });
+        if zstd.is_some() {
+            // A frame says how long its content is (RFC 8878, 3.1.1.1): after magic number, descriptor and, unless all is
+            // one segment, a byte about the window; in 1, 2, 4 or 8 bytes, of which 2 begin at 256.
             let frame = &file[levels[0].0 as usize..];
             assert_eq!(frame[..4], [0x28, 0xb5, 0x2f, 0xfd]);
-            assert_eq!(frame[4] >> 6, 3);
-            assert_eq!(frame[6..14], levels[0].2.to_le_bytes());
+            let (code, segment) = (frame[4] >> 6, frame[4] >> 5 & 1);
+            assert!(code > 0 || segment == 1, "no content size");
+            let length = 1 << code;
+            let mut field = [0; 8];
+            field[..length].copy_from_slice(&frame[6 - usize::from(segment)..][..length]);
+            assert_eq!(u64::from_le_bytes(field) + if code == 1 { 256 } else { 0 }, levels[0].2);
+            // And has a checksum.
+            assert_eq!(frame[4] >> 2 & 1, 1);
         }
     }
 }

@@ -135,7 +135,7 @@ fn packed_levels_are_read() {
 
 #[test]
 fn what_a_ktx_2_file_asks_for_is_said() {
-    let mut file = ktx2_of(&texture(Size::new(4, 4), TexelFormat::R8), false);
+    let mut file = ktx2_of(&texture(Size::new(4, 4), TexelFormat::R8), None);
     let at = file.windows(3).position(|w| w == b"rd\0").unwrap();
     file[at + 1] = b'u';
     assert_eq!(first(file.clone()).notes, ["KTX 2 asks to be turned or mirrored (orientation \"ru\"): ignored"]);
@@ -148,7 +148,7 @@ fn what_a_ktx_2_file_asks_for_is_said() {
 
 #[test]
 fn what_a_ktx_2_file_repeats_is_said_once() {
-    let mut file = ktx2_of(&texture(Size::new(4, 4), TexelFormat::R8), false);
+    let mut file = ktx2_of(&texture(Size::new(4, 4), TexelFormat::R8), None);
     let entries: Vec<u8> = [&b"\x14\0\0\0KTXorientation\0lurd\0"[..]; 500].concat();
     let at = file.len() as u32;
     file.extend(&entries);
@@ -159,7 +159,7 @@ fn what_a_ktx_2_file_repeats_is_said_once() {
 
 #[test]
 fn a_uastc_file_that_lies_is_an_error() {
-    let whole = ktx2_of(&texture(Size::new(16, 8), TexelFormat::Uastc), false);
+    let whole = ktx2_of(&texture(Size::new(16, 8), TexelFormat::Uastc), None);
     let descriptor = 80 + 5 * 24;
     let with = |change: &dyn Fn(&mut Vec<u8>)| {
         let mut file = whole.clone();
@@ -188,7 +188,7 @@ fn a_uastc_file_that_lies_is_an_error() {
 
 #[test]
 fn a_ktx_2_file_that_lies_is_an_error() {
-    let whole = ktx2_of(&texture(Size::new(64, 16), TexelFormat::Bc5), false);
+    let whole = ktx2_of(&texture(Size::new(64, 16), TexelFormat::Bc5), None);
     let with = |at: usize, value: u32| {
         let mut bytes = whole.clone();
         put(&mut bytes, at, value);
@@ -262,7 +262,7 @@ fn a_dds_file_that_lies_is_an_error() {
 #[test]
 fn a_file_cut_short_is_an_error_wherever_it_ends() {
     let texture = texture(Size::new(8, 4), TexelFormat::Bc5);
-    for file in [ktx2_of(&texture, false), ktx2_of(&texture, true), dds_of(&texture)] {
+    for file in [ktx2_of(&texture, None), ktx2_of(&texture, Some(Effort::Fast)), dds_of(&texture)] {
         for keep in 12..file.len() {
             assert!(message(file[..keep].to_vec()).contains("expected"), "{keep} of {}", file.len());
         }
@@ -273,8 +273,9 @@ fn a_file_cut_short_is_an_error_wherever_it_ends() {
 fn files() -> Vec<Vec<u8>> {
     let of = |format| texture(Size::new(20, 12), format);
     let formats = [TexelFormat::R8, TexelFormat::Rgba16f, TexelFormat::Bc5, TexelFormat::Bc7];
-    let all = formats.into_iter().flat_map(|f| [ktx2_of(&of(f), false), ktx2_of(&of(f), true), dds_of(&of(f))]);
-    all.chain([false, true].map(|zstd| ktx2_of(&of(TexelFormat::Uastc), zstd))).collect()
+    let all =
+        formats.into_iter().flat_map(|f| [ktx2_of(&of(f), None), ktx2_of(&of(f), Some(Effort::Fast)), dds_of(&of(f))]);
+    all.chain([None, Some(Effort::Fast)].map(|zstd| ktx2_of(&of(TexelFormat::Uastc), zstd))).collect()
 }
 
 proptest! {

@@ -44,7 +44,10 @@ fn texture(size: Size, format: TexelFormat) -> Texture {
     Texture::encode(&levels, format, Effort::Fast)
 }
 
-fn ktx2_of(texture: &Texture, zstd: bool) -> Vec<u8> {
+/// How levels of a KTX 2 file may be packed.
+const PACKINGS: [Option<Effort>; 3] = [None, Some(Effort::Fast), Some(Effort::Slow)];
+
+fn ktx2_of(texture: &Texture, zstd: Option<Effort>) -> Vec<u8> {
     let mut bytes = Vec::new();
     write_ktx2(&mut bytes, texture, zstd).unwrap();
     bytes
