@@ -14,15 +14,12 @@ const MOVES: [[i32; 2]; 8] = [[2, 8], [5, 17], [9, 29], [13, 42], [18, 60], [24,
 
 /// How far the alpha of ETC2 moves from its base: the least four first, the fourth and the last the farthest.
 #[rustfmt::skip]
-const ALPHA_MOVES: [[i32; 8]; 16] = [
+const ALPHA_MOVES: [[i16; 8]; 16] = [
     [-3, -6, -9, -15, 2, 5, 8, 14], [-3, -7, -10, -13, 2, 6, 9, 12], [-2, -5, -8, -13, 1, 4, 7, 12], [-2, -4, -6, -13, 1, 3, 5, 12],
     [-3, -6, -8, -12, 2, 5, 7, 11], [-3, -7, -9, -11, 2, 6, 8, 10], [-4, -7, -8, -11, 3, 6, 7, 10], [-3, -5, -8, -11, 2, 4, 7, 10],
     [-2, -6, -8, -10, 1, 5, 7, 9], [-2, -5, -8, -10, 1, 4, 7, 9], [-2, -4, -8, -10, 1, 3, 7, 9], [-2, -5, -7, -10, 1, 4, 6, 9],
     [-3, -4, -7, -10, 2, 3, 6, 9], [-1, -2, -3, -10, 0, 1, 2, 9], [-4, -6, -8, -9, 3, 5, 7, 8], [-3, -5, -7, -9, 2, 4, 6, 8],
 ];
-
-/// The table of evenly spread alphas.
-const EVEN_ALPHA: usize = 11;
 
 /// Of a block that is not solid.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -64,7 +61,7 @@ impl Hints {
     pub(super) fn new(mode: &Mode, texels: &Texels, search: Search) -> Self {
         let colours = search.ways(texels).map(|(flip, near)| Self::colours(mode, texels, flip, near));
         let (_, best) = colours.min_by_key(|(error, _)| *error).expect("there is a way at least");
-        Self { alpha: if mode.channels == 3 { 0 } else { alpha(texels, search) }, ..best }
+        Self { alpha: if mode.channels == 3 { 0 } else { alpha(texels) }, ..best }
     }
 
     /// The best of the rest, and the squared differences that ETC1 leaves, but for those of values beyond 0 and 255.
@@ -206,23 +203,23 @@ fn moved(value: i32, most: i32, by: i32) -> i32 {
 }
 
 /// The hint for alpha: a row, and what it is multiplied by.
-fn alpha(texels: &Texels, search: Search) -> u8 {
-    let alphas = texels.map(|texel| i32::from(texel[3]));
+fn alpha(texels: &Texels) -> u8 {
+    let alphas = texels.map(|texel| i16::from(texel[3]));
     let (low, high) = alphas.iter().fold((255, 0), |(low, high), a| (low.min(*a), high.max(*a)));
     let mut best = (i32::MAX, 0);
-    let rows = match search {
-        Search::Few => EVEN_ALPHA..EVEN_ALPHA + 1,
-        Search::Many => 0..16,
-    };
-    for row in rows {
-        let moves = ALPHA_MOVES[row];
+    for (row, moves) in (0..).zip(&ALPHA_MOVES) {
         let (least, most) = (moves[3], moves[7]);
-        let base = (low as f32 + (high - low) as f32 * -least as f32 / (most - least) as f32).round() as i32;
+        let base =
+            (f32::from(low) + f32::from(high - low) * f32::from(-least) / f32::from(most - least)).round() as i16;
         let fitting = (high - low) / (most - least);
         for times in [fitting, fitting + 1].map(|times| times.clamp(1, 15)) {
-            let error = |a: &i32| moves.iter().map(|by| (base + by * times).clamp(0, 255) - a).map(|d| d * d).min();
-            let error: i32 = alphas.iter().filter_map(error).sum();
-            best = best.min((error, (row as i32 | times << 4) as u8));
+            let mut off = [i16::MAX; 16];
+            for by in moves {
+                let value = (base + by * times).clamp(0, 255);
+                off.iter_mut().zip(&alphas).for_each(|(off, a)| *off = (*off).min((value - a).abs()));
+            }
+            let error = off.iter().map(|off| i32::from(*off) * i32::from(*off)).sum();
+            best = best.min((error, row | (times as u8) << 4));
         }
     }
     best.1
@@ -239,9 +236,11 @@ pub(super) fn put_solid(colour: [u8; 4], fields: &mut Writer) {
                 let mut error = 0;
                 let base = std::array::from_fn(|c| {
                     let wanted = i32::from(colour[c]);
-                    let base = ((wanted - by).clamp(0, 255) * most + 127) / 255;
-                    let off = (value(base) + by).clamp(0, 255) - wanted;
-                    error += off * off;
+                    let about = ((wanted - by).clamp(0, 255) * most + 127) / 255;
+                    let bases = (about - 1).max(0)..=(about + 1).min(most);
+                    let off = |base: &i32| ((value(*base) + by).clamp(0, 255) - wanted).abs();
+                    let base = bases.min_by_key(off).expect("a base is near");
+                    error += off(&base) * off(&base);
                     base as u8
                 });
                 if error < best.0 {
