@@ -19,11 +19,13 @@ fn bench(criterion: &mut Criterion) {
         Array3::from_shape_fn((SIDE, SIDE, 4), |(y, x, c)| if c < 3 { orm[(y, x, c)] } else { 255 - orm[(y, x, 1)] });
     let normals = ("normals", &maps.normal);
     let packed = ("packed with alpha", &Raster::new(Samples::U8(packed)));
+    let (opaque, both) = ([normals], [normals, packed]);
+    let (fast, efforts) = ([Effort::Fast], [Effort::Fast, Effort::Slow]);
     let cases = [
-        (TexelFormat::Bc4, [Effort::Fast].as_slice(), [normals].as_slice()),
-        (TexelFormat::Bc5, &[Effort::Fast], &[normals]),
-        (TexelFormat::Bc7, &[Effort::Fast, Effort::Slow], &[normals, packed]),
-        (TexelFormat::Uastc, &[Effort::Fast, Effort::Slow], &[normals, packed]),
+        (TexelFormat::Bc4, fast.as_slice(), opaque.as_slice()),
+        (TexelFormat::Bc5, &fast, &opaque),
+        (TexelFormat::Bc7, &efforts, &both),
+        (TexelFormat::Uastc, &efforts, &both),
     ];
 
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();

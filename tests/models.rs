@@ -133,6 +133,8 @@ fn textures_hold_the_fold_but_for_their_compression() {
     let read = |name: &str, image: usize| read_levels(&desk.file(name, after.image(image))).unwrap();
     let (normals, rough) = (read("n.ktx2", 0), read("orm.ktx2", 1));
     assert_eq!((normals.len(), rough.len()), (6, 6));
+    // Root mean square errors of normals and of the packed map: a tenth or so above what UASTC costs.
+    let most = [[0.023, 0.004], [0.023, 0.017], [0.036, 0.024], [0.007, 0.008], [0.0015, 0.01], [0.002, 0.0025]];
     for k in 0..6usize {
         let folded = k.checked_sub(1).map(|i| (&chain.levels[i].lobes, &chain.levels[i].extras));
         let view = LevelView { material: &material, folded, main_axis: 0.0 };
@@ -151,7 +153,7 @@ fn textures_hold_the_fold_but_for_their_compression() {
         };
         for channel in 0..3 {
             let (n, r) = (error(0, channel, &normals[k].raster), error(1, channel, &rough[k].raster));
-            assert!(n < 0.05 && r < 0.03, "level {k}, channel {channel}: {n} {r}");
+            assert!(n < most[k][0] && r < most[k][1], "level {k}, channel {channel}: {n} {r}");
         }
     }
     // It is rougher far away, which is what all this is about.
