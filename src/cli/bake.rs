@@ -153,8 +153,7 @@ fn parted<'a>(args: &BakeArgs, group: &'a Group, mesh: &Mesh) -> Vec<Bake<'a>> {
 fn flagged(args: &BakeArgs) -> Result<Option<Inputs>> {
     let (maps, width) = (&args.maps, given_width(&args.maps)?);
     let named = [&maps.normal, &maps.height, &maps.anisotropy].iter().any(|map| map.is_some());
-    let width = matches!(width, RoughnessInput::Roughness(_) | RoughnessInput::Smoothness(_));
-    if named || width {
+    if named || width.file().is_some() {
         return single(maps, &args.reading, "bake-curvature").map(Some);
     }
     let reading = &args.reading;

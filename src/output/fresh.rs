@@ -9,7 +9,7 @@ use sha2::{Digest, Sha256};
 use super::plan::Request;
 use crate::error::{Error, Result};
 use crate::fold::Options;
-use crate::material::{Earlier, Inputs, RoughnessInput};
+use crate::material::{Earlier, Inputs};
 use crate::ndf::Form;
 
 /// A number for all that decides on the files of a build: the program, options, inputs as given and their content. `digest` is
@@ -60,13 +60,7 @@ pub fn key(
         preset.map(|preset| preset.name)
     )
     .expect("text grows");
-    let width = match &inputs.roughness {
-        RoughnessInput::Roughness(channel) | RoughnessInput::Smoothness(channel) => Some(&channel.path),
-        RoughnessInput::Missing | RoughnessInput::Constant(_) => None,
-    };
-    let plain = [&inputs.occlusion, &inputs.metal].into_iter().flatten().map(|channel| &channel.path);
-    let maps = [&inputs.normal, &inputs.anisotropy, &inputs.height].into_iter().flatten();
-    for path in maps.chain(width).chain(plain) {
+    for path in inputs.files() {
         write!(text, "\n{}", digest(path)?).expect("text grows");
     }
     Ok(sha256(text.as_bytes()))

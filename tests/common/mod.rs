@@ -11,6 +11,7 @@
 //! | `MIPFOLD_NO_SKIP` | if set, a test fails where it lacks one of these, and is not skipped |
 #![allow(dead_code, clippy::print_stderr)]
 
+pub mod browser;
 pub mod desk;
 pub mod mesh;
 pub mod model;
