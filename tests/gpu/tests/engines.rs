@@ -6,8 +6,6 @@
 //! Chromium or Chrome to use, by default `chromium`.
 
 use std::fs;
-use std::path::Path;
-use std::process::Command;
 
 use glam::DVec3;
 use mipfold_gpu_tests::case::SplitMix;
