@@ -12,9 +12,7 @@ use ::exr::block::writer::ChunksWriter;
 use ::exr::block::{BlockIndex, UncompressedBlock};
 use ::exr::compression::Compression;
 use ::exr::math::{RoundingMode, Vec2};
-use ::exr::meta::attribute::{
-    AttributeValue, ChannelDescription, LevelMode, LineOrder, SampleType, Text, TileDescription,
-};
+use ::exr::meta::attribute::{ChannelDescription, LevelMode, LineOrder, SampleType, Text, TileDescription};
 use ::exr::meta::header::{Header, LayerAttributes};
 use ::exr::meta::{BlockDescription, MetaData, mip_map_levels};
 use half::f16;
@@ -122,10 +120,7 @@ fn write_tiles(
         .with_attributes(LayerAttributes::default());
     // A file of one part needs no name.
     header.own_attributes.layer_name = None;
-    if let Some(mode) = wrap.map(Wrap::oiio) {
-        let modes = AttributeValue::Text(format!("{mode},{mode}").as_str().into());
-        header.own_attributes.other.insert("wrapmodes".into(), modes);
-    }
+    header.own_attributes.wrap_mode_name = wrap.map(Wrap::oiio).map(|mode| format!("{mode},{mode}").as_str().into());
 
     let tile = |location: TileCoordinates| {
         let Vec2(x, top) = location.tile_index * Vec2(TILE, TILE);

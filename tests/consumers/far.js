@@ -7,13 +7,14 @@ import { difference, lit, mean, models, radiance, say, words } from '/page.js';
 const SIDE = 32; // pixels
 const FINER = 8; // of the truth, along each axis
 const FRAMES = 4;
+const LIGHTS = [[0.3, 0.6, 2], [-1, 0.5, 1.2]]; // the first near the mirror's direction
 
 function picture(model, frame, finer) {
   // The square of 0 to 1 fills the picture, but for a quarter of a pixel a frame.
   const camera = new THREE.PerspectiveCamera(20, 1, 0.1, 100);
   const far = 0.5 / Math.tan(Math.PI / 18);
   camera.position.set(0.5 + (0.25 * frame) / SIDE, 0.5, far);
-  return radiance(lit(model), camera, SIDE, SIDE, finer);
+  return radiance(lit([model], LIGHTS), camera, SIDE, SIDE, finer);
 }
 
 const frames = (model, finer) => [...Array(FRAMES).keys()].map((frame) => picture(model, frame, finer));

@@ -7,7 +7,7 @@ const SIDE = 400; // pixels
 
 // From the front.
 function picture(model) {
-  const scene = lit(model, new THREE.HemisphereLight(0xffffff, 0x444444, 1));
+  const scene = lit([model, new THREE.HemisphereLight(0xffffff, 0x444444, 1)]);
   const box = new THREE.Box3().setFromObject(model);
   const [size, centre] = [box.getSize(new THREE.Vector3()), box.getCenter(new THREE.Vector3())];
   const half = Math.max(size.x, size.y) / 2;

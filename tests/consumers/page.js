@@ -39,9 +39,9 @@ export async function models(files) {
 }
 
 // A scene of what is given and of two lights.
-export function lit(...things) {
+export function lit(things, places = [[0.3, 1.6, 2], [-1, 0.5, 1.2]]) {
   const scene = new THREE.Scene().add(...things);
-  for (const place of [[0.3, 1.6, 2], [-1, 0.5, 1.2]]) {
+  for (const place of places) {
     const light = new THREE.DirectionalLight(0xffffff, 2);
     light.position.set(...place);
     scene.add(light);

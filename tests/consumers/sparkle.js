@@ -33,7 +33,7 @@ const plane = new THREE.PlaneGeometry(4, 4);
 plane.attributes.uv.array.forEach((v, i, uv) => (uv[i] = 2 * TILES * v));
 const mesh = new THREE.Mesh(plane);
 mesh.rotation.x = -0.5;
-const scene = lit(mesh);
+const scene = lit([mesh]);
 
 function picture(material, frame, finer) {
   // Third of a pixel a frame, and away by half a percent.
