@@ -28,24 +28,7 @@ pub(crate) fn parse<'a, T: Deserialize<'a>>(path: &Path, what: &str, text: &'a s
 /// What was found and what was expected, out of serde's message.
 fn kinds(message: &str) -> (String, String) {
     let message = message.rsplit_once(" at line ").map_or(message, |(message, _)| message);
-    let told = message.split_once(": ").and_then(|(_, rest)| rest.rsplit_once(", expected "));
-    let Some((found, expected)) = told else {
-        let missing = message.strip_prefix("missing field ");
-        let found =
-            missing.map_or(format!("is wrong ({message})"), |name| format!("has no {}", name.replace('`', "\"")));
-        return (found, "what glTF 2.0 has there".to_owned());
-    };
-    let kinds = [
-        ("integer ", ""),
-        ("floating point ", ""),
-        ("boolean ", ""),
-        ("string ", ""),
-        ("map", "an object"),
-        ("sequence", "a list"),
-        ("unit value", "null"),
-    ];
-    let kind = kinds.iter().find_map(|(kind, name)| found.strip_prefix(kind).map(|rest| format!("{name}{rest}")));
-    let found = format!("is {}", kind.unwrap_or_else(|| found.to_owned()).replace('`', ""));
+    let (told, expected) = message.rsplit_once(", expected ").unwrap_or((message, ""));
     let expected = match expected {
         "a map" => "an object",
         "a sequence" => "a list",
@@ -54,8 +37,25 @@ fn kinds(message: &str) -> (String, String) {
         "f32" | "f64" => "a number",
         "u32" | "u64" | "usize" => "a whole number from 0 up",
         _ if expected.starts_with("struct ") => "an object",
-        _ if expected.starts_with("an array ") => "a list of numbers",
+        _ if expected.starts_with("an array ") => "a list of as many numbers as glTF 2.0 has there",
         _ => "what glTF 2.0 has there",
+    };
+    let after = |start: &str| told.strip_prefix(start).map(|rest| rest.replace('`', ""));
+    let found = if let Some(name) = after("missing field ") {
+        format!("has no {name:?}")
+    } else if let Some(length) = after("invalid length ") {
+        format!("is a list of {length}")
+    } else if let Some(found) = after("invalid type: ").or_else(|| after("invalid value: ")) {
+        let value =
+            ["integer ", "floating point ", "boolean ", "string "].iter().find_map(|kind| found.strip_prefix(kind));
+        match (found.as_str(), value) {
+            (_, Some(value)) => format!("is {value}"),
+            ("map", _) => "is an object".to_owned(),
+            ("sequence", _) => "is a list".to_owned(),
+            _ => format!("is {found}"),
+        }
+    } else {
+        format!("is wrong ({told})")
     };
     (found, expected.to_owned())
 }
@@ -122,7 +122,11 @@ mod tests {
                 "materials/0/pbrMetallicRoughness/roughnessFactor is true",
                 "a number",
             ),
-            (r#""textures": [{"extensions": {"EXT_texture_webp": []}}]"#, "textures/0/extensions", "an object"),
+            (
+                r#""textures": [{"extensions": {"EXT_texture_webp": []}}]"#,
+                "textures/0/extensions/EXT_texture_webp is a list of 0",
+                "an object",
+            ),
             (r#""meshes": {}"#, "meshes is an object", "a list"),
         ] {
             let error = said(&format!("{{{asset}, {member}}}"));

@@ -124,7 +124,7 @@ impl Model {
     /// What becomes of each material when the model is folded, in order of the first of those that share their textures.
     ///
     /// # Errors
-    /// A file that is no glTF, or that contradicts itself; a texture outside the model's own folder.
+    /// A file that is no glTF, or that contradicts itself. A picture that cannot be had leaves its material alone.
     pub fn fates(&self) -> Result<Vec<Fate>> {
         let (document, binary) = open(&self.path, &self.bytes)?;
         let text = parts(&self.path, &self.bytes)?.text;

@@ -129,6 +129,9 @@ impl FoldedMaterial {
     }
 }
 
+/// What is done to the channels of every texel on their way into a texture.
+type Change = Box<dyn Fn(&mut [f32]) + Sync>;
+
 /// The channels of a picture as they were read.
 struct Seen {
     path: PathBuf,
@@ -221,7 +224,7 @@ fn write_textures(
     for (i, slot) in folded.slots.clone().into_iter().enumerate() {
         let rows = Rows { material, chain, sheets: &sheets, layer: Layer::Sheet(i), flipped: false };
         let format = texel_format(options.compress, slot);
-        let mut change: Box<dyn Fn(&mut [f32]) + Sync> = Box::new(|_| ());
+        let mut change: Change = Box::new(|_| ());
         match (slot, &foldable.anisotropy) {
             (Slot::Roughness, _) => {
                 let (factor, largest) = (foldable.factor, largest(&rows, 1));

@@ -13,8 +13,8 @@ const PLACING: [&str; 2] = ["EXT_meshopt_compression", "KHR_meshopt_compression"
 
 /// Whether a buffer has no bytes, for readers that know the extension unpack others to it.
 pub fn is_fallback(buffer: &str) -> bool {
-    let says = |name: &&str| at(buffer, &["extensions", name, "fallback"]) == Some("true");
-    member(buffer, "uri").is_none() && PLACING.iter().any(|name| says(&name))
+    let says = |name: &str| at(buffer, &["extensions", name, "fallback"]) == Some("true");
+    member(buffer, "uri").is_none() && PLACING.into_iter().any(says)
 }
 
 /// Refuses a binary chunk that is shorter than its buffer, views that reach beyond theirs, and views of images that are
