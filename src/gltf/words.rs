@@ -133,7 +133,7 @@ mod tests {
             let whole = format!("a.gltf: found JSON whose {found}");
             assert!(error.starts_with(&whole) && error.ends_with(&format!("; expected {expected}")), "{error}");
         }
-        assert_eq!(said("[]"), "a.gltf: found JSON that is a list; expected an object");
+        assert_eq!(said("[]"), "a.gltf: found JSON that is a list of 0; expected an object");
         assert_eq!(said("{}"), "a.gltf: found JSON that has no \"asset\"; expected what glTF 2.0 has there");
         assert!(said("{").contains("EOF"), "{}", said("{"));
     }
