@@ -45,7 +45,7 @@ pub struct AnisotropyUse {
 /// Materials of a file that use the same textures in the same way, and can be folded; most often one.
 #[derive(Clone, Debug)]
 pub struct Foldable {
-    /// What their chain is made from; its pictures are read by [`Foldable::read`], which multiplies the factors in.
+    /// What their chain is made from; its pictures are those of [`Foldable::picture`] with [`Foldable::apply_factors`].
     pub inputs: Inputs,
     /// Their numbers in the file.
     pub materials: Vec<usize>,
