@@ -15,7 +15,7 @@ use crate::error::{Error, Result};
 use crate::fold::Options;
 use crate::image::Wrap;
 use crate::material::{Extra, Inputs, Model, NormalRange, NormalY, NormalZ, RoughnessInput, Surface};
-use crate::output::{MANIFEST, Request, may_build, vertices_name, write_vertices};
+use crate::output::{MANIFEST, Request, file_digest, may_build, vertices_name, write_vertices};
 
 /// Triangles that are baked together: those of the materials that share their maps.
 struct Group {
@@ -75,7 +75,7 @@ pub fn run(args: &BakeArgs, global: &Global, report: &mut Report) -> Result<()> 
     }
     // All materials share the file.
     let textured = bakes.iter().any(|bake| bake.textured);
-    let sha256 = if textured { codec::sha256(&args.mesh)? } else { String::new() };
+    let sha256 = if textured { file_digest(&args.mesh)? } else { String::new() };
     let names: Vec<&str> = bakes.iter().map(|bake| bake.name.as_str()).collect();
     let folders = if alone { vec![args.output.clone()] } else { output_folders(&args.output, &names) };
     for (bake, folder) in bakes.iter().zip(folders) {

@@ -7,6 +7,7 @@ use std::sync::OnceLock;
 use sha2::{Digest, Sha256};
 
 use super::plan::Request;
+use crate::codec::sha256;
 use crate::error::{Error, Result};
 use crate::fold::Options;
 use crate::material::{Earlier, Inputs};
@@ -83,12 +84,7 @@ pub fn fresh(folder: &Path, key: &str) -> Option<Earlier> {
     })
 }
 
-/// SHA-256, hexadecimal.
-fn sha256(bytes: &[u8]) -> String {
-    format!("{:x}", Sha256::digest(bytes))
-}
-
-/// The same of a file.
+/// SHA-256 of a file, hexadecimal.
 ///
 /// # Errors
 /// [`Error::Io`] if it cannot be read.

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use super::layer::{Layer, Rows};
 use super::preset::Compress;
 use crate::codec::texture::{Effort, TexelFormat, Texture, decode, encode};
-use crate::image::{Raster, Samples, Size};
+use crate::image::{Raster, Samples, Size, from_rows};
 use crate::material::Encoding;
 
 /// Rows that are encoded at a time, of whole blocks: what is in memory beside the bytes.
@@ -48,25 +48,41 @@ pub fn texture_of(rows: &Rows, format: TexelFormat, effort: Effort) -> Texture {
     let level = |k: usize| match format.block_side() {
         // As in the PNGs, weights of lobes and all.
         1 => encode(&rows.raster(k), format, effort),
-        _ => blocks(rows, k, &channels, format, effort),
+        _ => bands(rows, k, &channels, format, effort, &|_| {}),
     };
     Texture { size: rows.size(0), format, levels: (0..rows.levels()).map(level).collect() }
 }
 
-fn blocks(rows: &Rows, level: usize, all: &[(String, String)], format: TexelFormat, effort: Effort) -> Vec<u8> {
+/// The same from floats in every format, each texel changed before.
+pub fn texture_changed(rows: &Rows, format: TexelFormat, effort: Effort, change: ChangeTexel) -> Texture {
+    let channels = rows.texture_channels();
+    let level = |k: usize| bands(rows, k, &channels, format, effort, change);
+    Texture { size: rows.size(0), format, levels: (0..rows.levels()).map(level).collect() }
+}
+
+/// What is done to the channels of a texel.
+pub type ChangeTexel<'a> = &'a (dyn Fn(&mut [f32]) + Sync);
+
+/// A level, by names and roles of the map's channels.
+fn bands(
+    rows: &Rows,
+    level: usize,
+    all: &[(String, String)],
+    format: TexelFormat,
+    effort: Effort,
+    change: ChangeTexel,
+) -> Vec<u8> {
     let size = rows.size(level);
     let normal = format == TexelFormat::Bc5 && rows.normal_xy() == Some((0, 1));
     let with_z = normal && all.get(2).is_some_and(|(_, role)| role == "normal.z");
     let channels = if with_z { 3 } else { all.len().min(format.channels()) };
     let band = |first: usize| {
-        let height = BAND.min(size.height - first);
-        let mut values = Array3::zeros((height, size.width, channels));
-        let mut row = vec![0.0; size.width];
-        for y in 0..height {
-            for channel in 0..channels {
-                rows.row(level, channel, Encoding::Unsigned, first + y, 0, &mut row);
-                row.iter().enumerate().for_each(|(x, v)| values[(y, x, channel)] = *v);
-            }
+        let band = Size::new(size.width, BAND.min(size.height - first));
+        let mut values = from_rows(band, channels, |y, channel, row| {
+            rows.row(level, channel, Encoding::Unsigned, first + y, 0, row);
+        });
+        for mut texel in values.lanes_mut(Axis(2)) {
+            change(texel.as_slice_mut().expect("channels lie together"));
         }
         if with_z {
             unit(&mut values);
