@@ -22,13 +22,7 @@ use ndarray::Array3;
 const MOST_BYTES: usize = 5_000_000;
 
 fn chromium() -> Option<String> {
-    let path = std::env::var("MIPFOLD_CHROMIUM").unwrap_or_else(|_| "chromium".into());
-    let check = Command::new(&path).arg("--version").output();
-    if check.is_ok_and(|check| check.status.success()) {
-        Some(path)
-    } else {
-        common::skip(&format!("{path} does not run (MIPFOLD_CHROMIUM)"))
-    }
+    common::browser::chromium().map_or_else(|why| common::skip(&why), Some)
 }
 
 /// The page of a sample, judged quickly.

@@ -8,13 +8,12 @@
 #![allow(clippy::print_stderr)]
 
 mod common;
-#[path = "consumers/site.rs"]
-mod site;
 
 use std::collections::BTreeMap;
 use std::path::Path;
 
 use base64::prelude::{BASE64_STANDARD, Engine};
+use common::browser::{Seen, Site, below, chromium, three};
 use common::desk::Desk;
 use common::model::Scene;
 use common::{bump, encode8, manifest, png8, strings};
@@ -22,7 +21,18 @@ use mipfold::codec::{read_levels, write_png};
 use mipfold::image::Raster;
 use mipfold::sample::by_name;
 use serde_json::json;
-use site::{Seen, open};
+
+/// Runs a module of `tests/consumers` with words for it, while `/files/` is the desk. Nothing if there is no browser or
+/// no three.js.
+fn open(module: &str, words: &[&str], desk: &Desk) -> Option<Seen> {
+    let chromium = chromium().map_or_else(|why| common::skip(&why), Some)?;
+    let three = three().map_or_else(|why| common::skip(&why), Some)?;
+    let files = desk.at("");
+    let pages = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/consumers");
+    let folders = [("/three/", three), ("/files/", files), ("/", pages)];
+    let site = Site::new(move |path| folders.iter().find_map(|(prefix, folder)| below(folder, prefix, path)));
+    Some(site.open(&chromium, &format!("page.html?{},{}", module, words.join(","))))
+}
 
 /// Normals, roughness, occlusion and metal, each of its own values.
 fn set(desk: &Desk, size: (usize, usize)) -> String {
@@ -97,7 +107,7 @@ fn three_shows_the_levels_of_our_textures() {
     all.extend(uastc.iter().map(|file| (format!("plain:{file}"), "RGBAFormat", ROUNDING)));
     all.extend(uastc.into_iter().map(|file| (file, "RGBA_BPTC_Format", TRANSCODED)));
     let names: Vec<_> = all.iter().map(|(file, ..)| file.as_str()).collect();
-    let Some(Seen { found, console }) = open(&format!("textures.html?{}", names.join(",")), &desk.at("")) else {
+    let Some(Seen { found, console }) = open("textures", &names, &desk) else {
         return;
     };
     assert!(console.is_empty(), "{console:#?}");
@@ -105,11 +115,11 @@ fn three_shows_the_levels_of_our_textures() {
         assert_eq!(&checked(&desk, &found, file, *tolerance), format, "{file}");
     }
     // The page is listened to: a file that is not there is heard.
-    let Seen { console, .. } = open("textures.html?nothing.ktx2", &desk.at("")).unwrap();
+    let Seen { console, .. } = open("textures", &["nothing.ktx2"], &desk).unwrap();
     assert!(console.iter().any(|line| line.contains("404")), "{console:#?}");
 }
 
-/// What `sparkle.html` measures of a chain, against the truth.
+/// What `sparkle.js` measures of a chain, against the truth.
 #[derive(Debug)]
 struct Look {
     /// What changes from frame to frame beyond what changes in truth, as a share of the truth's mean radiance.
@@ -135,8 +145,8 @@ fn three_draws_less_sparkle_with_our_mips() {
     let inputs = "--normal @normal.png --orm @orm.png --preset three --compress none";
     desk.build("mipfold", inputs);
     desk.build("plain", &format!("{inputs} --fold average"));
-    let page = "sparkle.html?normal.ktx2,orm.ktx2,plain,mipfold";
-    let Some(Seen { found, console }) = open(page, &desk.at("")) else { return };
+    let words = ["normal.ktx2", "orm.ktx2", "plain", "mipfold"];
+    let Some(Seen { found, console }) = open("sparkle", &words, &desk) else { return };
     assert!(console.is_empty(), "{console:#?}");
     keep("three-sparkle", &found);
     let [plain, ours] = ["plain", "mipfold"].map(|name| {
@@ -159,8 +169,8 @@ fn numbers<const N: usize>(line: &str) -> [f64; N] {
 /// and what was folded comes compressed, with all its levels.
 fn three_loads_a_model(desk: &Desk, model: &str, most: f64) {
     common::build([desk.at(&format!("{model}.glb"))], &desk.at(&format!("{model}-out.glb")));
-    let page = format!("models.html?{model}.glb,{model}-out.glb");
-    let Some(Seen { found, console }) = open(&page, &desk.at("")) else { return };
+    let files = [model, &format!("{model}-out")].map(|name| format!("{name}.glb"));
+    let Some(Seen { found, console }) = open("models", &files.each_ref().map(String::as_str), desk) else { return };
     assert!(console.is_empty(), "{console:#?}");
     keep(&format!("three-model-{model}"), &found);
     eprintln!("three.js, {model}: {} apart, of {}; {}", found["far"], found["light"], found["textures"]);
@@ -230,7 +240,7 @@ fn three_loads_folded_models_and_draws_nearer_to_the_truth() {
     let images = [("normal", png(&maps.normal)), ("orm", png(&maps.orm))];
     desk.file("plain.glb", &Scene::new(json!([material]), &images, json!({})).glb());
     desk.build("folded.glb", "@plain.glb");
-    let Some(Seen { found, console }) = open("model.html?plain.glb,folded.glb", &desk.at("")) else { return };
+    let Some(Seen { found, console }) = open("far", &["plain.glb", "folded.glb"], &desk) else { return };
     assert!(console.is_empty(), "{console:#?}");
     assert_eq!(found["folded.glb maps"], "compressed 9, compressed 9, compressed 9");
     let [plain, ours] = ["plain.glb", "folded.glb"].map(|name| numbers::<2>(&found[name])[0]);

@@ -373,3 +373,15 @@ fn a_packed_colour_map_is_not_a_height_map() {
     let out = desk.build("out", "@set");
     assert_eq!(manifest(&out)["material"], "set");
 }
+
+/// By the command line as in a folder.
+#[test]
+fn a_material_is_named_without_the_word_of_its_map() {
+    let desk = Desk::empty();
+    for (file, name) in [("wall_normal.png", "wall"), ("Old-Oak_nor_dx_2k.png", "Old-Oak_2k"), ("normal.png", "normal")]
+    {
+        bumps(&desk.at(file), (8, 8));
+        let out = desk.build(&format!("out-{name}"), &format!("--normal @{file} --roughness 0.4"));
+        assert_eq!(manifest(&out)["material"], name);
+    }
+}

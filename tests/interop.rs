@@ -65,6 +65,8 @@ fn hold(python: &Path, args: &[&std::ffi::OsStr], size: Size, files: &[&str]) {
         let halvings: Vec<_> = (0..size.level_count()).map(|k| size.level(k)).collect();
         assert_eq!(foreign.sizes, halvings, "{name}");
         assert_eq!(foreign.about["tiled"], true, "{name}");
+        let mode = if args.contains(&"clamp".as_ref()) { "clamp" } else { "periodic" };
+        assert_eq!(foreign.about["wrapmodes"], format!("{mode},{mode}"), "{name}");
         let encoding = if map["encoding"] == "float16" { "half" } else { "float" };
         assert!(strings(&foreign.about["types"]).iter().all(|t| t == encoding), "{name}: {}", foreign.about["types"]);
 
@@ -120,7 +122,7 @@ fn openimageio_reads_a_pair_texel_for_texel() {
 fn openimageio_reads_odd_sizes_and_two_widths_texel_for_texel() {
     let (Some(textures), Some(python)) = (common::textures(), common::python()) else { return };
     let folder = textures.join("paper001");
-    let mut args = vec!["--lobes".as_ref(), "aniso".as_ref(), "--float".as_ref()];
+    let mut args = ["--lobes", "aniso", "--float", "--wrap", "clamp"].map(AsRef::as_ref).to_vec();
     let pairs = [("--normal", folder.join("normal.jpg")), ("--roughness", folder.join("roughness.jpg"))];
     args.extend(flags(&pairs));
     let files = ["anisotropy.exr", "normal.exr", "normal_lobes.exr", "normal_moments.exr", "roughness.exr"];

@@ -3,7 +3,7 @@
 use super::stats::correlation;
 use super::subject::{STEEPEST_Z, bands};
 use super::{Check, Finding, Severity, Subject};
-use crate::material::{Inputs, RoughnessInput, Texels, named_smooth};
+use crate::material::{Inputs, Texels, named_smooth};
 
 /// Complements.
 pub const CHECK: Check =
@@ -45,12 +45,7 @@ fn run(subject: &Subject) -> Vec<Finding> {
 
 /// The file, where its name speaks for the channel that is read.
 fn path(inputs: &Inputs) -> Option<&std::path::Path> {
-    match &inputs.roughness {
-        RoughnessInput::Roughness(file) | RoughnessInput::Smoothness(file) => {
-            file.channel.is_none().then_some(file.path.as_path())
-        }
-        RoughnessInput::Missing | RoughnessInput::Constant(_) => None,
-    }
+    inputs.roughness.channel().filter(|file| file.channel.is_none()).map(|file| file.path.as_path())
 }
 
 /// Correlation of bumps (root of the slope variance within a block) with the mean perceptual roughness there; 0 without

@@ -15,7 +15,7 @@ use crate::error::{Error, Result};
 use crate::fold::Options;
 use crate::image::Wrap;
 use crate::material::{Extra, Inputs, Model, NormalRange, NormalY, NormalZ, RoughnessInput, Surface};
-use crate::output::{MANIFEST, Request, may_build, vertices_name, write_vertices};
+use crate::output::{MANIFEST, Request, file_digest, may_build, vertices_name, write_vertices};
 
 /// Triangles that are baked together: those of the materials that share their maps.
 struct Group {
@@ -75,7 +75,7 @@ pub fn run(args: &BakeArgs, global: &Global, report: &mut Report) -> Result<()> 
     }
     // All materials share the file.
     let textured = bakes.iter().any(|bake| bake.textured);
-    let sha256 = if textured { codec::sha256(&args.mesh)? } else { String::new() };
+    let sha256 = if textured { file_digest(&args.mesh)? } else { String::new() };
     let names: Vec<&str> = bakes.iter().map(|bake| bake.name.as_str()).collect();
     let folders = if alone { vec![args.output.clone()] } else { output_folders(&args.output, &names) };
     for (bake, folder) in bakes.iter().zip(folders) {
@@ -153,8 +153,7 @@ fn parted<'a>(args: &BakeArgs, group: &'a Group, mesh: &Mesh) -> Vec<Bake<'a>> {
 fn flagged(args: &BakeArgs) -> Result<Option<Inputs>> {
     let (maps, width) = (&args.maps, given_width(&args.maps)?);
     let named = [&maps.normal, &maps.height, &maps.anisotropy].iter().any(|map| map.is_some());
-    let width = matches!(width, RoughnessInput::Roughness(_) | RoughnessInput::Smoothness(_));
-    if named || width {
+    if named || width.file().is_some() {
         return single(maps, &args.reading, "bake-curvature").map(Some);
     }
     let reading = &args.reading;

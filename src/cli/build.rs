@@ -103,7 +103,7 @@ pub fn run(args: &BuildArgs, said: &ArgMatches, global: &Global, report: &mut Re
 
 /// Works on the jobs in as many threads as there are, each on one at a time. These are not the pool's: a thread of the pool
 /// that waits for parts of one material would begin another, and memory would be that of many.
-fn side_by_side<T: Sync, R: Send>(jobs: &[T], work: impl Fn(&T) -> R + Sync) -> Vec<R> {
+pub fn side_by_side<T: Sync, R: Send>(jobs: &[T], work: impl Fn(&T) -> R + Sync) -> Vec<R> {
     let next = AtomicUsize::new(0);
     let mut done: Vec<(usize, R)> = std::thread::scope(|scope| {
         let worker = || {

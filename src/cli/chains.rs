@@ -182,11 +182,7 @@ fn maps(text: &str, pairs: &[(&str, &str)], reading: &ReadingArgs) -> Result<Inp
 
 /// The first file's name, without the level.
 fn default_name(set: &Inputs) -> String {
-    let width = match &set.roughness {
-        RoughnessInput::Roughness(c) | RoughnessInput::Smoothness(c) => Some(&c.path),
-        _ => None,
-    };
-    let first = set.normal.as_ref().or(width);
+    let first = set.normal.as_deref().or(set.roughness.file());
     let stem = first.and_then(|path| path.file_stem()).unwrap_or_default().to_string_lossy();
     let stem = stem.rsplit_once('%').map_or(&*stem, |(stem, _)| stem).replace("%%", "%");
     let stem = stem.trim_end_matches(|c: char| !c.is_alphanumeric());

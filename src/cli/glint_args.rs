@@ -4,7 +4,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::args::{ContainerArgs, FoldArgs, MapArgs, ReadingArgs, entry, fold_list, number};
+use super::args::{FoldArgs, MapArgs, ReadingArgs, entry, fold_list, number};
+use super::container_args::ContainerArgs;
 use crate::error::{self, Error};
 use crate::glint::{EVALUATORS, Evaluator, evaluator};
 use crate::image::{Size, Wrap};

@@ -53,15 +53,12 @@ pub fn given_width(maps: &MapArgs) -> Result<RoughnessInput> {
 /// A material from the flags of a command.
 pub fn single(maps: &MapArgs, reading: &ReadingArgs, command: &str) -> Result<Inputs> {
     let roughness = given_width(maps)?;
-    let first = maps.normal.as_deref().or(maps.height.as_deref()).or(match &roughness {
-        RoughnessInput::Roughness(c) | RoughnessInput::Smoothness(c) => Some(c.path.as_path()),
-        _ => None,
-    });
+    let first = maps.normal.as_deref().or(maps.height.as_deref()).or(roughness.file());
     let Some(first) = first else {
         return Err(Error::invalid_option(command, "no maps", "a folder, or --normal, --height or --roughness FILE"));
     };
     Ok(Inputs {
-        name: first.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
+        name: detect::named_after(first),
         normal: maps.normal.clone(),
         roughness,
         anisotropy: maps.anisotropy.clone(),

@@ -9,6 +9,7 @@ mod chains;
 mod compare;
 mod compare_args;
 mod config;
+mod container_args;
 mod demo;
 mod glint;
 mod glint_args;

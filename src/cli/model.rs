@@ -3,15 +3,16 @@
 use std::path::Path;
 
 use clap::Args;
-use rayon::prelude::*;
 use serde::Serialize;
 
 use super::args::{BuildArgs, Global};
+use super::build::side_by_side;
 use super::report::{Portion, Report};
 use crate::error::{Error, Result};
 use crate::material::{Fate, Foldable, Model, NormalRange, NormalY, NormalZ};
 use crate::output::model::{
-    FoldedMaterial, Group, ImageAbout, ImageDigest, Left, ModelOptions, Proof, Slot, digests, fold_material, rewrite,
+    FoldedMaterial, Group, ImageAbout, ImageDigest, Left, ModelOptions, Proof, Rewritten, Slot, digests, fold_material,
+    rewrite,
 };
 use crate::output::preset::Compress;
 use crate::output::{Gain, SCHEMA};
@@ -76,6 +77,7 @@ struct Document<'a> {
     files: &'a [String],
     materials: &'a [About<'a>],
     images: &'a [ImageDigest],
+    warnings: &'a [String],
     #[serde(skip_serializing_if = "Option::is_none")]
     errors: Option<[(); 0]>,
 }
@@ -102,29 +104,32 @@ pub fn run(args: &BuildArgs, global: &Global, report: &mut Report) -> Result<()>
     let fates = model.fates()?;
     let foldables: Vec<&Foldable> =
         fates.iter().filter_map(|fate| if let Fate::Fold(f) = fate { Some(&**f) } else { None }).collect();
-    // A place that is taken is told before anything is folded.
     let (stem, to_binary) = (stem(output), ending(output) == "glb");
-    rewrite(&model, &[], &options, to_binary, &stem)?.0.check(input, output, global.force)?;
-    let done: Vec<Done> = foldables
-        .into_par_iter()
-        .with_max_len(1)
-        .map(|foldable| {
-            let portion = Portion::on(&report.progress);
-            let result = fold_material(foldable, &options, global.dry_run, &|share| portion.show(share))?;
-            portion.show(1.0);
-            Ok(Done { foldable, result })
-        })
-        .collect::<Result<_>>()?;
+    // A place that is taken is told before anything is folded, those of files too that are made only if folding gains
+    // enough.
+    let planned: Vec<_> =
+        foldables.iter().filter_map(|f| Some((*f, FoldedMaterial::planned(f, &options).ok()?))).collect();
+    let planned: Vec<Group> = planned.iter().map(|(foldable, folded)| Group { foldable, folded }).collect();
+    rewrite(&model, &planned, &options, to_binary, &stem)?.files.check(input, output, global.force)?;
+    let work = |foldable: &&Foldable| {
+        let portion = Portion::on(&report.progress);
+        let result = fold_material(foldable, &options, global.dry_run, &|share| portion.show(share))?;
+        portion.show(1.0);
+        Ok(result)
+    };
+    let results = side_by_side(&foldables, work).into_iter().collect::<Result<Vec<_>>>()?;
+    let done: Vec<Done> = foldables.iter().zip(results).map(|(foldable, result)| Done { foldable, result }).collect();
     let groups: Vec<Group> = done
         .iter()
         .filter_map(|done| Some(Group { foldable: done.foldable, folded: done.result.as_ref().ok()? }))
         .collect();
     report.progress.set_message(format!("writing {}", output.display()));
-    let (files, images) = rewrite(&model, &groups, &options, to_binary, &stem)?;
+    let rewritten = rewrite(&model, &groups, &options, to_binary, &stem)?;
+    let digests = digests(&model, &rewritten, &groups)?;
+    let Rewritten { files, images, warnings, .. } = &rewritten;
     files.check(input, output, global.force)?;
     let names = files.names(output);
-    let materials = about(&fates, &done, &images);
-    let digests = digests(&model, &images, &groups)?;
+    let materials = about(&fates, &done, images);
     let document = |dry_run: Option<bool>| Document {
         schema: SCHEMA,
         generator: crate::material::GENERATOR,
@@ -137,6 +142,7 @@ pub fn run(args: &BuildArgs, global: &Global, report: &mut Report) -> Result<()>
         files: &names,
         materials: &materials,
         images: &digests,
+        warnings,
         errors: dry_run.map(|_| []),
     };
     let json = |document: &Document| serde_json::to_string_pretty(document).expect("plain data") + "\n";
@@ -144,6 +150,7 @@ pub fn run(args: &BuildArgs, global: &Global, report: &mut Report) -> Result<()>
         files.write(input, output, &json(&document(None)), global.force)?;
     }
     tell(report, global, output, &materials, &names, files.main.len());
+    warnings.iter().for_each(|warning| report.warning(warning));
     if options.compress != Compress::Uastc && !groups.is_empty() {
         report.warning(
             "textures that are not UASTC are no part of glTF: Bevy reads them, other loaders and validators do not know image/ktx2",
@@ -219,58 +226,70 @@ fn options(args: &BuildArgs) -> Result<ModelOptions> {
 }
 
 fn about<'a>(fates: &'a [Fate], done: &'a [Done], images: &'a [ImageAbout]) -> Vec<About<'a>> {
-    let (mut groups, mut folded) = (0, 0);
+    let (mut results, mut folded) = (done.iter(), 0);
     let of = |fate: &'a Fate| match fate {
-        Fate::Leave { material, name, reason, plain } => About {
+        Fate::Leave { material, name, reason, plain } => About::left(name, vec![*material], reason, *plain),
+        Fate::Fold(foldable) => {
+            let (name, materials) = (&foldable.inputs.name, foldable.materials.clone());
+            match &results.next().expect("one for each").result {
+                Err(Left { reason, plain }) => About::left(name, materials, reason, *plain),
+                Ok(material) => {
+                    folded += 1;
+                    About::folded(name, materials, material, images.iter().filter(|image| image.group == folded - 1))
+                }
+            }
+        }
+    };
+    fates.iter().map(of).collect()
+}
+
+impl<'a> About<'a> {
+    /// One that stays as it is.
+    fn left(name: &'a str, materials: Vec<usize>, reason: &'a str, plain: bool) -> Self {
+        Self {
             name,
-            materials: vec![*material],
+            materials,
             folded: false,
             reason: Some(reason),
-            plain: *plain,
+            plain,
             width: None,
             height: None,
             gain: None,
             textures: Vec::new(),
             notes: &[],
             warnings: &[],
-        },
-        Fate::Fold(foldable) => {
-            let result = &done[groups].result;
-            groups += 1;
-            let mut about = About {
-                name: &foldable.inputs.name,
-                materials: foldable.materials.clone(),
-                folded: result.is_ok(),
-                reason: result.as_ref().err().map(|left| left.reason.as_str()),
-                plain: result.as_ref().err().is_some_and(|left| left.plain),
-                width: None,
-                height: None,
-                gain: None,
-                textures: Vec::new(),
-                notes: &[],
-                warnings: &[],
-            };
-            if let Ok(material) = result {
-                (about.width, about.height) = (Some(material.size.width), Some(material.size.height));
-                (about.gain, about.notes, about.warnings) = (material.gain, &material.notes, &material.warnings);
-                let own = images.iter().filter(|image| image.group == folded);
-                let texture = |image: &'a ImageAbout| {
-                    let texture = material.textures.iter().find(|texture| texture.slot == image.slot);
-                    TextureAbout {
-                        slot: image.slot,
-                        from: image.from,
-                        image: image.image,
-                        format: texture.map(|texture| texture.format.name()),
-                        level_0: texture.map_or(&[], |texture| &texture.level_0),
-                    }
-                };
-                about.textures = own.map(texture).collect();
-                folded += 1;
-            }
-            about
         }
-    };
-    fates.iter().map(of).collect()
+    }
+
+    /// One that was folded, with its images.
+    fn folded(
+        name: &'a str,
+        materials: Vec<usize>,
+        material: &'a FoldedMaterial,
+        images: impl Iterator<Item = &'a ImageAbout>,
+    ) -> Self {
+        let texture = |image: &'a ImageAbout| {
+            let texture = material.textures.iter().find(|texture| texture.slot == image.slot);
+            TextureAbout {
+                slot: image.slot,
+                from: image.from,
+                image: image.image,
+                format: texture.map(|texture| texture.format.name()),
+                level_0: texture.map_or(&[], |texture| &texture.level_0),
+            }
+        };
+        Self {
+            folded: true,
+            reason: None,
+            width: material.size.map(|size| size.width),
+            height: material.size.map(|size| size.height),
+            gain: material.gain,
+            textures: images.map(texture).collect(),
+            notes: &material.notes,
+            warnings: &material.warnings,
+            ..Self::left(name, materials, "", false)
+        }
+    }
 }
 
 /// For people.

@@ -23,7 +23,7 @@ use rayon::prelude::*;
 
 use super::{Format, Source};
 use crate::error::{Error, Result};
-use crate::image::{Raster, Samples, Size};
+use crate::image::{Raster, Samples, Size, Wrap};
 
 /// Sides of a tile, in texels.
 const TILE: usize = 64;
@@ -60,6 +60,7 @@ pub struct Channel {
 pub type Fill<'a> = &'a (dyn Fn(usize, usize, usize, usize, &mut [f32]) + Sync);
 
 /// Writes an OpenEXR file with all mip levels down to 1x1 (sizes as [`Size::level`]: rounded down), in tiles of 64x64.
+/// Renderers that read textures by OpenImageIO find there what lies beyond the border (the attribute `wrapmodes`).
 ///
 /// `fill` counts channels in the order of `channels`, whatever order the file has (EXR sorts names). It is called from
 /// several threads, in any order, once for each texel of each level.
@@ -70,8 +71,8 @@ pub type Fill<'a> = &'a (dyn Fn(usize, usize, usize, usize, &mut [f32]) + Sync);
 /// # Errors
 /// Whatever `out` returns; [`io::ErrorKind::InvalidInput`] for no channels, names that are empty, equal, longer than 255
 /// or not Latin-1, or sides beyond 2^31.
-pub fn write_exr(out: impl Write + Seek, channels: &[Channel], size: Size, fill: Fill) -> io::Result<()> {
-    write_rounded(out, channels, (size, RoundingMode::Down), fill)
+pub fn write_exr(out: impl Write + Seek, channels: &[Channel], size: Size, wrap: Wrap, fill: Fill) -> io::Result<()> {
+    write_rounded(out, channels, (size, RoundingMode::Down), Some(wrap), fill)
 }
 
 /// The same with the sizes of levels rounded up (EXR's ROUND_UP): a texel of a level covers all of two by two texels below
@@ -80,16 +81,17 @@ pub fn write_exr(out: impl Write + Seek, channels: &[Channel], size: Size, fill:
 /// # Errors
 /// As [`write_exr`].
 pub fn write_exr_covering(out: impl Write + Seek, channels: &[Channel], size: Size, fill: Fill) -> io::Result<()> {
-    write_rounded(out, channels, (size, RoundingMode::Up), fill)
+    write_rounded(out, channels, (size, RoundingMode::Up), None, fill)
 }
 
 fn write_rounded(
     out: impl Write + Seek,
     channels: &[Channel],
     size: (Size, RoundingMode),
+    wrap: Option<Wrap>,
     fill: Fill,
 ) -> io::Result<()> {
-    write_tiles(&mut BufWriter::with_capacity(1 << 18, out), channels, size, fill).map_err(|error| match error {
+    write_tiles(&mut BufWriter::with_capacity(1 << 18, out), channels, size, wrap, fill).map_err(|error| match error {
         ::exr::error::Error::Io(error) => error,
         other => io::Error::new(io::ErrorKind::InvalidInput, other.to_string()),
     })
@@ -102,6 +104,7 @@ fn write_tiles(
     out: &mut dyn Sink,
     channels: &[Channel],
     (size, rounding_mode): (Size, RoundingMode),
+    wrap: Option<Wrap>,
     fill: Fill,
 ) -> ::exr::error::UnitResult {
     // EXR wants channels by name: `order` leads from the file's channel to the caller's.
@@ -117,6 +120,7 @@ fn write_tiles(
         .with_attributes(LayerAttributes::default());
     // A file of one part needs no name.
     header.own_attributes.layer_name = None;
+    header.own_attributes.wrap_mode_name = wrap.map(Wrap::oiio).map(|mode| format!("{mode},{mode}").as_str().into());
 
     let tile = |location: TileCoordinates| {
         let Vec2(x, top) = location.tile_index * Vec2(TILE, TILE);

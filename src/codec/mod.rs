@@ -100,7 +100,7 @@ fn decode_levels(path: &Path, bytes: Vec<u8>, count: usize) -> Result<Vec<Decode
         Format::Tiff => tiff::decode(&source).map(one),
         _ => pictures::decode(&source).map(one),
     })?;
-    let sha256 = hexadecimal(&Sha256::digest(&bytes));
+    let sha256 = sha256(&bytes);
     let (bytes_len, plain) = (bytes.len(), format == Format::Png && png::is_plain(&bytes));
     let plain_png: Option<Arc<[u8]>> = plain.then(|| bytes.into());
     let decoded = |raster| Decoded {
@@ -114,13 +114,9 @@ fn decode_levels(path: &Path, bytes: Vec<u8>, count: usize) -> Result<Vec<Decode
     Ok(rasters.into_iter().map(decoded).collect())
 }
 
-fn hexadecimal(digest: &[u8]) -> String {
-    digest.iter().map(|byte| format!("{byte:02x}")).collect()
-}
-
-/// SHA-256 of a file, hexadecimal.
-pub(crate) fn sha256(path: &Path) -> Result<String> {
-    Ok(hexadecimal(&Sha256::digest(read_file(path, "a file", u64::MAX)?)))
+/// SHA-256 of bytes, 64 lower-case hexadecimal digits.
+pub(crate) fn sha256(bytes: &[u8]) -> String {
+    format!("{:x}", Sha256::digest(bytes))
 }
 
 fn file(path: &Path) -> Result<Vec<u8>> {

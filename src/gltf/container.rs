@@ -10,6 +10,7 @@ use base64::engine::general_purpose::STANDARD;
 
 use super::document::{Buffer, Document};
 use super::item;
+use super::words::parse;
 use crate::codec::read_file;
 use crate::error::{Error, Result};
 
@@ -22,15 +23,13 @@ const MOST_BUFFER_BYTES: u64 = 1 << 33;
 
 /// The document, and the binary chunk if there is one.
 pub(crate) fn open<'a>(path: &Path, bytes: &'a [u8]) -> Result<(Document, Option<&'a [u8]>)> {
-    let (json, binary) = if bytes.starts_with(b"glTF") { chunks(path, bytes)? } else { (bytes, None) };
-    let json = json.strip_prefix(b"\xef\xbb\xbf").unwrap_or(json);
-    let document: Document =
-        serde_json::from_slice(json).map_err(|error| Error::invalid(path, format!("JSON: {error}"), "glTF 2.0"))?;
+    let parts = parts(path, bytes)?;
+    let document: Document = parse(path, "JSON", parts.text)?;
     if !document.asset.version.starts_with("2.") {
         let found = format!("glTF version {:?}", document.asset.version);
         return Err(Error::unsupported(path, found, "glTF 2.0"));
     }
-    Ok((document, binary))
+    Ok((document, parts.chunk))
 }
 
 /// What a file is made of.
@@ -39,26 +38,36 @@ pub(crate) struct Parts<'a> {
     pub text: &'a str,
     /// Whether it is a .glb.
     pub binary: bool,
-    /// Further chunks of a .glb, by their kind.
+    /// The binary chunk of a .glb.
+    pub chunk: Option<&'a [u8]>,
+    /// Further chunks, by their kind.
     pub others: Vec<(u32, &'a [u8])>,
+    /// How many bytes follow the end that a .glb tells.
+    pub beyond: usize,
 }
 
-/// The parts of a file that [`open`] takes.
+/// The parts of a file (glTF 2.0, 4.4). What follows the end that a .glb tells is none of them.
 pub(crate) fn parts<'a>(path: &Path, bytes: &'a [u8]) -> Result<Parts<'a>> {
     let binary = bytes.starts_with(b"glTF");
-    let (json, _) = if binary { chunks(path, bytes)? } else { (bytes, None) };
+    let (mut json, mut chunk, mut others, mut beyond) = (Some(bytes).filter(|_| !binary), None, Vec::new(), 0);
+    if binary {
+        let whole = whole(path, bytes)?;
+        beyond = bytes.len() - whole.len();
+        let mut at = 12;
+        while at < whole.len() {
+            let (length, kind, content) = chunk_at(path, whole, at)?;
+            match kind {
+                JSON if json.is_none() => json = Some(content),
+                BIN if chunk.is_none() => chunk = Some(content),
+                _ => others.push((kind, content)),
+            }
+            at += 8 + length;
+        }
+    }
+    let json = json.ok_or_else(|| Error::invalid(path, "no JSON chunk", "a GLB file with one"))?;
     let json = json.strip_prefix(b"\xef\xbb\xbf").unwrap_or(json);
     let text = std::str::from_utf8(json).map_err(|error| Error::invalid(path, format!("JSON: {error}"), "UTF-8"))?;
-    let (mut others, mut at, mut known) = (Vec::new(), 12, [false; 2]);
-    while binary && at < bytes.len() {
-        let (length, kind, chunk) = chunk(path, bytes, at)?;
-        match [JSON, BIN].iter().position(|known| *known == kind) {
-            Some(which) if !known[which] => known[which] = true,
-            _ => others.push((kind, chunk)),
-        }
-        at += 8 + length;
-    }
-    Ok(Parts { text, binary, others })
+    Ok(Parts { text, binary, chunk, others, beyond })
 }
 
 /// A .glb of a text, a binary chunk, and further ones.
@@ -165,24 +174,16 @@ pub(crate) fn beside(path: &Path, uri: &str, what: &str) -> Result<PathBuf> {
     Ok(path.parent().unwrap_or(Path::new("")).join(name))
 }
 
-/// The JSON chunk and the binary chunk, if there is one (glTF 2.0, 4.4).
-fn chunks<'a>(path: &Path, bytes: &'a [u8]) -> Result<(&'a [u8], Option<&'a [u8]>)> {
-    let (version, _) = word(bytes, 4).zip(word(bytes, 8)).ok_or_else(|| cut(path, bytes, 0))?;
+/// A .glb from its header to the end that this tells.
+fn whole<'a>(path: &Path, bytes: &'a [u8]) -> Result<&'a [u8]> {
+    let (version, length) = word(bytes, 4).zip(word(bytes, 8)).ok_or_else(|| cut(path, bytes, 0))?;
     if version != 2 {
         return Err(Error::unsupported(path, format!("GLB version {version}"), "version 2"));
     }
-    let (mut json, mut binary, mut at) = (None, None, 12);
-    while at < bytes.len() && (json.is_none() || binary.is_none()) {
-        let (length, kind, chunk) = chunk(path, bytes, at)?;
-        match kind {
-            JSON => json = json.or(Some(chunk)),
-            BIN => binary = binary.or(Some(chunk)),
-            _ => {}
-        }
-        at += 8 + length;
-    }
-    let json = json.ok_or_else(|| Error::invalid(path, "no JSON chunk", "a GLB file with one"))?;
-    Ok((json, binary))
+    bytes.get(..length as usize).filter(|whole| whole.len() >= 12).ok_or_else(|| {
+        let found = format!("a GLB header that tells of {length} bytes, in a file of {}", bytes.len());
+        Error::invalid(path, found, "the length of the whole file")
+    })
 }
 
 fn word(bytes: &[u8], at: usize) -> Option<u32> {
@@ -196,7 +197,7 @@ fn cut(path: &Path, bytes: &[u8], at: usize) -> Error {
 }
 
 /// Length, kind and content of the chunk at a byte.
-fn chunk<'a>(path: &Path, bytes: &'a [u8], at: usize) -> Result<(usize, u32, &'a [u8])> {
+fn chunk_at<'a>(path: &Path, bytes: &'a [u8], at: usize) -> Result<(usize, u32, &'a [u8])> {
     let (length, kind) = word(bytes, at).zip(word(bytes, at + 4)).ok_or_else(|| cut(path, bytes, at))?;
     let chunk = bytes.get(at + 8..).and_then(|rest| rest.get(..length as usize)).ok_or_else(|| {
         let found = format!("a chunk of {length} bytes at byte {at} of {}", bytes.len());

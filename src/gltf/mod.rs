@@ -5,12 +5,14 @@ mod accessor;
 mod container;
 mod document;
 pub(crate) mod text;
+mod words;
 
 use std::path::Path;
 
 pub(crate) use accessor::Reader;
 pub(crate) use container::{Buffers, beside, binary, inline, open, parts};
 pub(crate) use document::{Document, Image, Material, Node, Primitive, Sampler, TextureInfo};
+pub(crate) use words::parse;
 
 use crate::error::{Error, Result};
 

@@ -86,6 +86,25 @@ impl<'a> Edits<'a> {
         self.insert(object, members(object).last().map(|(_, value)| *value), new.join(","));
     }
 
+    /// Takes members out of an object, of which others stay; once for each object.
+    pub fn remove(&mut self, object: &str, keys: &[&str]) {
+        let start = self.place(object).start + 1;
+        let (mut from, mut leading) = (start, true);
+        for (key, value) in members(object) {
+            let end = self.place(value).end;
+            let goes = keys.contains(&key.as_str());
+            if goes && !leading {
+                self.list.push((from..end, String::new()));
+            } else if !goes && leading {
+                // What comes before the first that stays goes with its comma.
+                let comma = self.text[from..end].find(',').filter(|_| from > start);
+                self.list.extend(comma.map(|comma| (start..from + comma + 1, String::new())));
+                leading = false;
+            }
+            from = end;
+        }
+    }
+
     fn insert(&mut self, into: &str, after: Option<&str>, new: String) {
         if new.is_empty() {
             return;
@@ -217,6 +236,21 @@ mod tests {
         edits.add(text, &[("d", "[]".into())]);
         let expected = "{ \"a\" : [ 1.50, 3,7,8 ],\n \"b\": {\"x\":{\"é\\\"\":1}, \"y\" : -0.0}, \"c\" :[9],\"d\":[] }";
         assert_eq!(edits.apply(), expected);
+    }
+
+    #[test]
+    fn members_go_with_their_commas() {
+        let text = r#"{ "a":[","] , "b" : 1, "c":{}, "d": 2 }"#;
+        let without = |keys: &[&str]| {
+            let mut edits = Edits::new(text);
+            edits.remove(text, keys);
+            edits.add(text, &[("e", "3".into())]);
+            edits.apply()
+        };
+        assert_eq!(without(&[]), r#"{ "a":[","] , "b" : 1, "c":{}, "d": 2,"e":3 }"#);
+        assert_eq!(without(&["a"]), r#"{ "b" : 1, "c":{}, "d": 2,"e":3 }"#);
+        assert_eq!(without(&["a", "b", "d"]), r#"{ "c":{},"e":3 }"#);
+        assert_eq!(without(&["c", "d"]), r#"{ "a":[","] , "b" : 1,"e":3 }"#);
     }
 
     #[test]

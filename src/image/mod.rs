@@ -6,7 +6,7 @@ mod raster;
 mod sides;
 mod span;
 
-pub use raster::{Raster, Samples};
+pub use raster::{Raster, Samples, from_rows};
 pub use sides::Sides;
 pub use span::{Span, span, spans};
 
@@ -64,6 +64,15 @@ pub enum Wrap {
 }
 
 impl Wrap {
+    /// As OpenImageIO calls it, in the attribute `wrapmodes` and in `maketx --wrap`.
+    pub fn oiio(self) -> &'static str {
+        match self {
+            Wrap::Repeat => "periodic",
+            Wrap::Mirror => "mirror",
+            Wrap::Clamp => "clamp",
+        }
+    }
+
     /// The texel inside `0..n` that stands for index `i`.
     pub fn index(self, i: isize, n: usize) -> usize {
         let side = n as isize;

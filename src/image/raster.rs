@@ -95,6 +95,19 @@ impl Raster {
     }
 }
 
+/// Samples in floats, axes (row, column, channel): `read` gives the rows of each channel, by row and channel.
+pub fn from_rows(size: Size, channels: usize, read: impl Fn(usize, usize, &mut [f32])) -> Array3<f32> {
+    let mut samples = Array3::zeros((size.height, size.width, channels));
+    let mut row = vec![0.0; size.width];
+    for (y, mut texels) in samples.outer_iter_mut().enumerate() {
+        for channel in 0..channels {
+            read(y, channel, &mut row);
+            texels.column_mut(channel).iter_mut().zip(&row).for_each(|(out, v)| *out = *v);
+        }
+    }
+    samples
+}
+
 /// `v / 255` for every byte: a look-up is quicker than a division.
 const UNORM8: [f32; 256] = {
     let mut table = [0.0; 256];
@@ -155,6 +168,8 @@ mod tests {
         let mut out = [0.0; 2];
         raster.read(1, 1, 1, &mut out);
         assert_eq!(out, [111.0 / 255.0, 121.0 / 255.0]);
+        let all = from_rows(raster.size(), 2, |y, channel, row| raster.read(channel, y, 0, row));
+        assert!(all.indexed_iter().all(|((y, x, c), v)| *v == raster.at(x, y, c)));
     }
 
     #[test]

@@ -45,6 +45,18 @@ pub fn folder(folder: &Path, outputs: Option<&Path>) -> Result<Found> {
     Ok(walk.found)
 }
 
+/// What a material is called after one of its files: the name without what says which map it is, `wall` of
+/// `wall_normal.png`, and all of it where nothing else is left.
+pub fn named_after(file: &Path) -> String {
+    let stem = file.file_stem().unwrap_or_default().to_string_lossy();
+    match meaning_of(&stem) {
+        Some(Meaning { material, tile, .. }) if !material.is_empty() => {
+            tile.map_or_else(|| material.clone(), |tile| format!("{material}.{}", tile.text))
+        }
+        _ => stem.into_owned(),
+    }
+}
+
 /// That nothing in a folder can be folded.
 pub fn nothing(folder: &Path) -> Error {
     let expected = "files named like NAME_normal.png, NAME_roughness.png or NAME_orm.png; or give them with --normal and \

@@ -98,16 +98,7 @@ impl Surface {
     /// # Errors
     /// Those of [`codec::read`].
     pub fn read(&self, path: &Path) -> Result<Decoded> {
-        let mut decoded = match self.embedded.get(path) {
-            Some(bytes) => codec::decode(path, bytes.to_vec())?,
-            None => codec::read(path)?,
-        };
-        let is_width = matches!(&self.inputs.roughness, RoughnessInput::Roughness(channel) if channel.path == path);
-        if is_width && decoded.raster.channels.len() < 3 {
-            decoded.raster = decoded.raster.gray_as_rgb();
-            decoded.plain_png = None;
-        }
-        Ok(decoded)
+        picture(&self.inputs, &self.embedded, path)
     }
 
     /// Whether one chain can stand for both: all but the names.
@@ -121,11 +112,35 @@ impl Surface {
     }
 }
 
+/// The picture of a path of some inputs: of those inside the file, or a file itself. A gray roughness map is all three
+/// colours, as glTF has it.
+fn picture(inputs: &Inputs, embedded: &HashMap<PathBuf, Arc<[u8]>>, path: &Path) -> Result<Decoded> {
+    let mut decoded = match embedded.get(path) {
+        Some(bytes) => codec::decode(path, bytes.to_vec())?,
+        None => codec::read(path)?,
+    };
+    if is_roughness(inputs, path) && decoded.raster.channels.len() < 3 {
+        decoded.raster = decoded.raster.gray_as_rgb();
+        decoded.plain_png = None;
+    }
+    Ok(decoded)
+}
+
+/// Whether a path is that of the roughness texture.
+fn is_roughness(inputs: &Inputs, path: &Path) -> bool {
+    matches!(&inputs.roughness, RoughnessInput::Roughness(channel) if channel.path == path)
+}
+
+/// A material's name as it is shown and used for files.
+fn material_name(name: Option<&str>, index: usize) -> String {
+    let name = name.map_or_else(|| format!("material {index}"), str::to_owned);
+    name.chars().filter(|c| !c.is_control()).take(LONGEST_NAME).collect()
+}
+
 fn surface(pictures: &mut Pictures, index: usize) -> Result<Surface> {
     let Reader { path, document, .. } = *pictures.reader;
     let material: &Material = item(path, &document.materials, index, "material")?;
-    let name = material.name.clone().unwrap_or_else(|| format!("material {index}"));
-    let name: String = name.chars().filter(|c| !c.is_control()).take(LONGEST_NAME).collect();
+    let name = material_name(material.name.as_deref(), index);
     let wrong = |found: String, expected: &str| {
         let subject = format!("{}: material {name:?}", path.display());
         Err(Error::Unsupported { subject, found, expected: expected.to_owned() })

@@ -1,6 +1,6 @@
 //! What a material is made from.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use super::{NormalRange, NormalY, NormalZ};
 use crate::image::{Sides, Size, Wrap};
@@ -57,6 +57,21 @@ pub enum RoughnessInput {
     Smoothness(ChannelRef),
 }
 
+impl RoughnessInput {
+    /// The channel of a file, if it comes from one.
+    pub fn channel(&self) -> Option<&ChannelRef> {
+        match self {
+            RoughnessInput::Roughness(channel) | RoughnessInput::Smoothness(channel) => Some(channel),
+            RoughnessInput::Missing | RoughnessInput::Constant(_) => None,
+        }
+    }
+
+    /// Its file, if it comes from one.
+    pub fn file(&self) -> Option<&Path> {
+        self.channel().map(|channel| channel.path.as_path())
+    }
+}
+
 /// Perceptual roughness of a material that gives none.
 pub const DEFAULT_ROUGHNESS: PerceptualRoughness = PerceptualRoughness(0.5);
 
@@ -103,6 +118,15 @@ pub struct Inputs {
     pub warnings: Vec<String>,
     /// What was decided on the way to these inputs, said again in the material's notes.
     pub notes: Vec<String>,
+}
+
+impl Inputs {
+    /// All files that are named, some perhaps more than once.
+    pub fn files(&self) -> impl Iterator<Item = &Path> {
+        let maps = [&self.normal, &self.anisotropy, &self.height].into_iter().flatten().map(PathBuf::as_path);
+        let plain = [&self.occlusion, &self.metal].into_iter().flatten().map(|channel| channel.path.as_path());
+        maps.chain(self.roughness.file()).chain(plain)
+    }
 }
 
 #[cfg(test)]

@@ -1,10 +1,13 @@
 //! What is wrong with the texels of a material, counted.
 
+use std::path::Path;
+
 use ndarray::Array3;
 use rayon::prelude::*;
 
 use super::Material;
 use super::source::{LEAST_REBUILT_Z, SHORTEST_NORMAL};
+use crate::error::{Error, Result};
 use crate::image::Samples;
 
 /// Counts over level 0.
@@ -146,5 +149,48 @@ impl Material {
             found.others_not_finite += roughness.iter().filter(|v| !v.is_finite()).count();
         }
         found
+    }
+
+    /// Counts what is wrong and says it in the warnings; `normal` is the file of the normals.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] if no normal is of use.
+    pub(super) fn checked(mut self, normal: &Path) -> Result<Self> {
+        let found = self.inspect();
+        let share = |n: usize, what: &str| {
+            format!("{n} of {} {what} ({:.3} %)", found.texels, 100.0 * n as f64 / found.texels as f64)
+        };
+        if let Some(source) = &self.normal {
+            if found.unusable() == found.texels {
+                let what = if found.behind == 0 { "no normal with a direction" } else { "no normal that points up" };
+                return Err(Error::invalid(normal, what, "a tangent-space normal map"));
+            }
+            let stem = self.maps[source.map].stem.clone();
+            for (count, what) in [
+                (found.behind, "do not point out of the surface (z <= 0)"),
+                (found.directionless, "have no direction (zero, nearly zero or not a number)"),
+            ] {
+                if count > 0 {
+                    self.warnings.push(format!("{stem}: {} {what}; the fold ignores them", share(count, "normals")));
+                }
+            }
+            if found.looks_srgb() {
+                self.warnings.push(format!(
+                    "{stem}: looks sRGB-encoded (mean x {:+.2}, y {:+.2}, length {:.2}): flat is stored near 188,188,255 \
+                     where it should be 128,128,255. Export it again as linear (non-colour) data",
+                    found.mean_xy[0], found.mean_xy[1], found.mean_length
+                ));
+            }
+        }
+        for (count, of, what) in [
+            (found.roughness_not_finite, "roughness values", "are not a number; taken as 1"),
+            (found.roughness_outside, "roughness values", "lie outside 0..1; the fold clamps them"),
+            (found.others_not_finite, "texels of other channels", "are not a number; taken as 0"),
+        ] {
+            if count > 0 {
+                self.warnings.push(format!("{} {what}", share(count, of)));
+            }
+        }
+        Ok(self)
     }
 }

@@ -61,12 +61,9 @@ pub fn read_maps(inputs: &Inputs) -> Result<LevelChain> {
 
 /// The files of the maps.
 fn paths(inputs: &Inputs) -> Vec<&Path> {
-    let width = match &inputs.roughness {
-        RoughnessInput::Roughness(c) | RoughnessInput::Smoothness(c) => Some(c.path.as_path()),
-        RoughnessInput::Missing | RoughnessInput::Constant(_) => None,
-    };
     let mut paths: Vec<&Path> = Vec::new();
-    for path in [inputs.normal.as_deref(), width, inputs.anisotropy.as_deref()].into_iter().flatten() {
+    for path in [inputs.normal.as_deref(), inputs.roughness.file(), inputs.anisotropy.as_deref()].into_iter().flatten()
+    {
         if !paths.contains(&path) {
             paths.push(path);
         }

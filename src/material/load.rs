@@ -33,7 +33,9 @@ pub type ReadPicture<'a> = &'a (dyn Fn(&Path) -> Result<Decoded> + Sync);
 /// # Errors
 /// As [`load`], and those of `read`.
 pub fn load_with(inputs: &Inputs, read: ReadPicture) -> Result<Material> {
-    assemble(inputs, read, true)?.check()
+    let Builder { material, paths, .. } = assemble(inputs, read, true)?;
+    let normal = material.normal.as_ref().and_then(|source| paths.get(source.map)).cloned().unwrap_or_default();
+    material.checked(&normal)
 }
 
 /// A coarser level of maps whose level 0 was loaded: a few texels do not tell what a map is, so nothing is guessed or
@@ -48,10 +50,7 @@ pub(super) fn load_level(inputs: &Inputs, read: ReadPicture) -> Result<Material>
 fn assemble<'a>(inputs: &Inputs, read: ReadPicture<'a>, by_value: bool) -> Result<Builder<'a>> {
     let mut builder = Builder { material: empty(inputs), paths: Vec::new(), read, by_value };
     let (normal, height) = (inputs.normal.as_deref(), inputs.height.as_deref());
-    let width = match &inputs.roughness {
-        RoughnessInput::Roughness(c) | RoughnessInput::Smoothness(c) => Some(c.path.as_path()),
-        RoughnessInput::Missing | RoughnessInput::Constant(_) => None,
-    };
+    let width = inputs.roughness.file();
     if normal.is_none() && height.is_none() && width.is_none() && inputs.flat.is_none() {
         return Err(Error::invalid_option(&inputs.name, "no maps", "a normal map, a height map or a roughness map"));
     }
@@ -369,49 +368,5 @@ impl Builder<'_> {
             }
         }
         distinct_stems(&mut material.maps);
-    }
-
-    /// Counts what is wrong and says it.
-    fn check(mut self) -> Result<Material> {
-        let found = self.material.inspect();
-        let share = |n: usize, what: &str| {
-            format!("{n} of {} {what} ({:.3} %)", found.texels, 100.0 * n as f64 / found.texels as f64)
-        };
-        let material = &mut self.material;
-        if let Some(source) = &material.normal {
-            let subject = &self.paths.get(source.map).cloned().unwrap_or_default();
-            if found.unusable() == found.texels {
-                let what = if found.behind == 0 { "no normal with a direction" } else { "no normal that points up" };
-                return Err(Error::invalid(subject, what, "a tangent-space normal map"));
-            }
-            let stem = material.maps[source.map].stem.clone();
-            for (count, what) in [
-                (found.behind, "do not point out of the surface (z <= 0)"),
-                (found.directionless, "have no direction (zero, nearly zero or not a number)"),
-            ] {
-                if count > 0 {
-                    material
-                        .warnings
-                        .push(format!("{stem}: {} {what}; the fold ignores them", share(count, "normals")));
-                }
-            }
-            if found.looks_srgb() {
-                material.warnings.push(format!(
-                    "{stem}: looks sRGB-encoded (mean x {:+.2}, y {:+.2}, length {:.2}): flat is stored near 188,188,255 \
-                     where it should be 128,128,255. Export it again as linear (non-colour) data",
-                    found.mean_xy[0], found.mean_xy[1], found.mean_length
-                ));
-            }
-        }
-        for (count, of, what) in [
-            (found.roughness_not_finite, "roughness values", "are not a number; taken as 1"),
-            (found.roughness_outside, "roughness values", "lie outside 0..1; the fold clamps them"),
-            (found.others_not_finite, "texels of other channels", "are not a number; taken as 0"),
-        ] {
-            if count > 0 {
-                material.warnings.push(format!("{} {what}", share(count, of)));
-            }
-        }
-        Ok(self.material)
     }
 }

@@ -198,20 +198,17 @@ impl TextureSet {
             }
             [] => {}
         }
-        let used = match &inputs.roughness {
-            RoughnessInput::Roughness(file) | RoughnessInput::Smoothness(file) => Some(&file.path),
-            _ => None,
-        };
+        let used = inputs.roughness.file();
         let packed = |c: &&Candidate| match c.kind {
             Packed(layout) => Some(layout),
-            Mask if used == Some(&c.file.path) => match MASK_MAP {
+            Mask if used == Some(c.file.path.as_path()) => match MASK_MAP {
                 Packed(layout) => Some(layout),
                 _ => None,
             },
             _ => None,
         };
         let holds: Vec<_> = self.files.iter().filter_map(|c| Some((&c.file.path, channel(packed(&c)?)?))).collect();
-        let of_used = holds.iter().find(|(path, _)| Some(*path) == used);
+        let of_used = holds.iter().find(|(path, _)| Some(path.as_path()) == used);
         let (path, channel) = of_used.or(if holds.len() == 1 { holds.first() } else { None })?;
         Some(ChannelRef { path: (*path).clone(), channel: Some(*channel) })
     }

@@ -32,7 +32,7 @@ pub fn write_lobes(out: impl Write + Seek, material: &Material, chain: &Chain) -
     let names = lobe_channels(count);
     let each = names.len() / count;
     let channels: Vec<_> = names.into_iter().map(|name| Channel { name, depth: Depth::Float }).collect();
-    write_exr(out, &channels, material.size, &|level, channel, y, x, row| {
+    write_exr(out, &channels, material.size, material.wrap, &|level, channel, y, x, row| {
         let (j, channel) = (channel / each, channel % each);
         let lobes = level.checked_sub(1).map(|i| &chain.levels[i].lobes);
         let there = lobes.filter(|lobes| j < lobes.count());
@@ -121,7 +121,7 @@ pub fn write_moments(
 ) -> std::io::Result<()> {
     let channels = MOMENT_CHANNELS.map(|name| Channel { name: name.into(), depth: Depth::Float });
     let sign = normal_y.sign();
-    write_exr(out, &channels, material.size, &|level, channel, y, x, row| {
+    write_exr(out, &channels, material.size, material.wrap, &|level, channel, y, x, row| {
         let n = row.len();
         if channel == 0 {
             row.fill(-1.0);

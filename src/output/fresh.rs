@@ -7,9 +7,10 @@ use std::sync::OnceLock;
 use sha2::{Digest, Sha256};
 
 use super::plan::Request;
+use crate::codec::sha256;
 use crate::error::{Error, Result};
 use crate::fold::Options;
-use crate::material::{Earlier, Inputs, RoughnessInput};
+use crate::material::{Earlier, Inputs};
 use crate::ndf::Form;
 
 /// A number for all that decides on the files of a build: the program, options, inputs as given and their content. `digest` is
@@ -60,13 +61,7 @@ pub fn key(
         preset.map(|preset| preset.name)
     )
     .expect("text grows");
-    let width = match &inputs.roughness {
-        RoughnessInput::Roughness(channel) | RoughnessInput::Smoothness(channel) => Some(&channel.path),
-        RoughnessInput::Missing | RoughnessInput::Constant(_) => None,
-    };
-    let plain = [&inputs.occlusion, &inputs.metal].into_iter().flatten().map(|channel| &channel.path);
-    let maps = [&inputs.normal, &inputs.anisotropy, &inputs.height].into_iter().flatten();
-    for path in maps.chain(width).chain(plain) {
+    for path in inputs.files() {
         write!(text, "\n{}", digest(path)?).expect("text grows");
     }
     Ok(sha256(text.as_bytes()))
@@ -89,12 +84,7 @@ pub fn fresh(folder: &Path, key: &str) -> Option<Earlier> {
     })
 }
 
-/// SHA-256, hexadecimal.
-fn sha256(bytes: &[u8]) -> String {
-    format!("{:x}", Sha256::digest(bytes))
-}
-
-/// The same of a file.
+/// SHA-256 of a file, hexadecimal.
 ///
 /// # Errors
 /// [`Error::Io`] if it cannot be read.

@@ -160,7 +160,7 @@ impl Rows<'_> {
     pub fn write_exr(&self, out: impl Write + Seek, depth: Depth) -> std::io::Result<()> {
         let channels = self.channels(Encoding::Signed).into_iter();
         let channels: Vec<_> = channels.map(|(name, _)| Channel { name, depth }).collect();
-        write_exr(out, &channels, self.material.size, &|level, channel, y, x, row| {
+        write_exr(out, &channels, self.material.size, self.material.wrap, &|level, channel, y, x, row| {
             self.row(level, channel, Encoding::Signed, y, x, row);
             if depth == Depth::Half {
                 row.iter_mut().for_each(|v| *v = v.clamp(-LARGEST_HALF, LARGEST_HALF));

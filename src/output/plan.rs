@@ -15,9 +15,7 @@ use crate::codec::texture::{Effort, TexelFormat};
 use crate::error::{Error, Result};
 use crate::fold::{Chain, Options};
 use crate::image::{Sides, Size};
-use crate::material::{
-    ChannelRef, Extra, FurtherMap, Inputs, MapFile, Material, NormalY, Origin, RoughnessInput, same_path,
-};
+use crate::material::{ChannelRef, Extra, FurtherMap, Inputs, MapFile, Material, NormalY, Origin, same_path};
 
 /// A container.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
@@ -104,12 +102,9 @@ impl Request {
 
     /// What is read for it: occlusion and metal of their own only where they are packed.
     pub fn inputs(&self, inputs: &Inputs) -> Inputs {
-        let rough = match &inputs.roughness {
-            RoughnessInput::Roughness(channel) | RoughnessInput::Smoothness(channel) => Some(&channel.path),
-            RoughnessInput::Missing | RoughnessInput::Constant(_) => None,
-        };
+        let rough = inputs.roughness.file();
         let packs = self.preset.is_some_and(|preset| preset.packed.is_some());
-        let plain = |channel: &Option<ChannelRef>| channel.clone().filter(|c| packs || Some(&c.path) == rough);
+        let plain = |channel: &Option<ChannelRef>| channel.clone().filter(|c| packs || Some(c.path.as_path()) == rough);
         let (occlusion, metal) = (plain(&inputs.occlusion), plain(&inputs.metal));
         Inputs { occlusion, metal, sides: self.resize, ..inputs.clone() }
     }

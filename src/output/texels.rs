@@ -144,7 +144,10 @@ mod tests {
         // Rounded down, as other files are.
         let channels = LEVEL_CHANNELS.map(|name| Channel { name: name.into(), depth: Depth::Float });
         let file = fs::File::create(&path).unwrap();
-        crate::codec::write_exr(file, &channels, Size::new(5, 3), &|_, _, _, _, out| out.fill(0.5)).unwrap();
+        crate::codec::write_exr(file, &channels, Size::new(5, 3), crate::image::Wrap::Repeat, &|_, _, _, _, out| {
+            out.fill(0.5)
+        })
+        .unwrap();
         let error = read_texels(&path).unwrap_err().to_string();
         assert!(error.contains("level 1"), "{error}");
     }

@@ -7,13 +7,14 @@ use rayon::prelude::*;
 use super::layer::{Layer, Rows};
 use super::preset::Compress;
 use crate::codec::texture::{Effort, TexelFormat, Texture, decode, encode};
-use crate::image::{Raster, Samples, Size};
+use crate::image::{Raster, Samples, Size, from_rows};
 use crate::material::Encoding;
 
 /// Rows that are encoded at a time, of whole blocks: what is in memory beside the bytes.
 const BAND: usize = 32;
 
-/// The texel format of a map. Those of further lobes are never compressed. Normals have two channels where `two_channel_normals`, and shaders rebuild z.
+/// The texel format of a map. Those of further lobes are never compressed. Normals have two channels where
+/// `two_channel_normals`, and shaders rebuild z.
 pub fn texel_format(rows: &Rows, compress: Compress, two_channel_normals: bool) -> TexelFormat {
     // Blocks would not keep the sum of the lobes' weights.
     let plain = matches!(rows.layer, Layer::Further(_));
@@ -43,37 +44,53 @@ pub fn stored_channels(rows: &Rows, compress: Compress, two_channel_normals: boo
 /// All levels of a map. Block formats are encoded from floats, not from what an 8-bit picture would hold; in two-channel
 /// ones no decoded normal reaches the unit circle, so that shaders find a z.
 pub fn texture_of(rows: &Rows, format: TexelFormat, effort: Effort) -> Texture {
+    let channels = rows.texture_channels();
     let level = |k: usize| match format.block_side() {
         // As in the PNGs, weights of lobes and all.
         1 => encode(&rows.raster(k), format, effort),
-        _ => blocks(rows, k, format, effort),
+        _ => bands(rows, k, &channels, format, effort, &|_| {}),
     };
     Texture { size: rows.size(0), format, levels: (0..rows.levels()).map(level).collect() }
 }
 
-fn blocks(rows: &Rows, level: usize, format: TexelFormat, effort: Effort) -> Vec<u8> {
+/// The same from floats in every format, each texel changed before.
+pub fn texture_changed(rows: &Rows, format: TexelFormat, effort: Effort, change: ChangeTexel) -> Texture {
+    let channels = rows.texture_channels();
+    let level = |k: usize| bands(rows, k, &channels, format, effort, change);
+    Texture { size: rows.size(0), format, levels: (0..rows.levels()).map(level).collect() }
+}
+
+/// What is done to the channels of a texel.
+pub type ChangeTexel<'a> = &'a (dyn Fn(&mut [f32]) + Sync);
+
+/// A level, by names and roles of the map's channels.
+fn bands(
+    rows: &Rows,
+    level: usize,
+    all: &[(String, String)],
+    format: TexelFormat,
+    effort: Effort,
+    change: ChangeTexel,
+) -> Vec<u8> {
     let size = rows.size(level);
-    let all = rows.texture_channels();
     let normal = format == TexelFormat::Bc5 && rows.normal_xy() == Some((0, 1));
     let with_z = normal && all.get(2).is_some_and(|(_, role)| role == "normal.z");
     let channels = if with_z { 3 } else { all.len().min(format.channels()) };
     let band = |first: usize| {
-        let height = BAND.min(size.height - first);
-        let mut values = Array3::zeros((height, size.width, channels));
-        let mut row = vec![0.0; size.width];
-        for y in 0..height {
-            for channel in 0..channels {
-                rows.row(level, channel, Encoding::Unsigned, first + y, 0, &mut row);
-                row.iter().enumerate().for_each(|(x, v)| values[(y, x, channel)] = *v);
-            }
+        let band = Size::new(size.width, BAND.min(size.height - first));
+        let mut values = from_rows(band, channels, |y, channel, row| {
+            rows.row(level, channel, Encoding::Unsigned, first + y, 0, row);
+        });
+        for mut texel in values.lanes_mut(Axis(2)) {
+            change(texel.as_slice_mut().expect("channels lie together"));
         }
         if with_z {
             unit(&mut values);
         }
-        let mut raster = Raster::new(Samples::F32(values));
+        let raster = Raster::new(Samples::F32(values));
         let mut bytes = encode(&raster, format, effort);
-        while normal && pull_in(&mut raster, &bytes) {
-            bytes = encode(&raster, format, effort);
+        if normal {
+            pull_in(&raster, &mut bytes, effort);
         }
         bytes
     };
@@ -95,21 +112,41 @@ fn unit(values: &mut Array3<f32>) {
 /// The longest xy of a decoded normal: hardware may decode a few 16-bit steps apart from us.
 const LONGEST: f32 = 0.999;
 
-/// Shortens the normals that decode to more than [`LONGEST`]; whether there were any. Each time by a fortieth, so that it
-/// ends.
-fn pull_in(raster: &mut Raster, bytes: &[u8]) -> bool {
+/// Encodes the blocks again of which a normal decodes to more than [`LONGEST`], with such normals shorter, until none does.
+fn pull_in(raster: &Raster, bytes: &mut [u8], effort: Effort) {
+    let (format, Size { width, height }) = (TexelFormat::Bc5, raster.size());
+    let (side, block_bytes) = (format.block_side(), format.block_bytes());
+    let decoded = decode(bytes, raster.size(), format);
+    let Samples::F32(values) = &raster.samples else { return };
+    for (place, block) in bytes.chunks_exact_mut(block_bytes).enumerate() {
+        let (x, y) = (place % width.div_ceil(side) * side, place / width.div_ceil(side) * side);
+        let (right, below) = ((x + side).min(width), (y + side).min(height));
+        if !(y..below).any(|y| (x..right).any(|x| too_long(&decoded, x, y))) {
+            continue;
+        }
+        let part = Array3::from_shape_fn((below - y, right - x, values.dim().2), |(j, i, c)| values[(y + j, x + i, c)]);
+        let mut part = Raster::new(Samples::F32(part));
+        let size = part.size();
+        while shorten(&mut part, &decode(block, size, format)) {
+            block.copy_from_slice(&encode(&part, format, effort));
+        }
+    }
+}
+
+fn too_long(decoded: &Raster, x: usize, y: usize) -> bool {
+    let [nx, ny] = [0, 1].map(|c| 2.0 * decoded.at(x, y, c) - 1.0);
+    nx * nx + ny * ny > LONGEST * LONGEST
+}
+
+/// Shortens the normals that are too long where they are decoded; whether there were any. Each time by a fortieth, so that
+/// it ends.
+fn shorten(raster: &mut Raster, decoded: &Raster) -> bool {
     let Size { width, height } = raster.size();
-    let decoded = decode(bytes, raster.size(), TexelFormat::Bc5);
     let Samples::F32(values) = &mut raster.samples else { return false };
     let mut found = false;
-    for y in 0..height {
-        for x in 0..width {
-            let [nx, ny] = [0, 1].map(|c| 2.0 * decoded.at(x, y, c) - 1.0);
-            if nx * nx + ny * ny > LONGEST * LONGEST {
-                found = true;
-                [0, 1].into_iter().for_each(|c| values[(y, x, c)] = 0.5 + 0.975 * (values[(y, x, c)] - 0.5));
-            }
-        }
+    for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).filter(|(x, y)| too_long(decoded, *x, *y)) {
+        found = true;
+        [0, 1].into_iter().for_each(|c| values[(y, x, c)] = 0.5 + 0.975 * (values[(y, x, c)] - 0.5));
     }
     found
 }

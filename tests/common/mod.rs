@@ -11,6 +11,7 @@
 //! | `MIPFOLD_NO_SKIP` | if set, a test fails where it lacks one of these, and is not skipped |
 #![allow(dead_code, clippy::print_stderr)]
 
+pub mod browser;
 pub mod desk;
 pub mod mesh;
 pub mod model;
@@ -20,7 +21,7 @@ use std::process::Output;
 
 use assert_cmd::Command;
 use mipfold::codec::{self, Channel, Depth};
-use mipfold::image::{Raster, Samples, Size};
+use mipfold::image::{Raster, Samples, Size, Wrap};
 use mipfold::material::{Inputs, Material, RoughnessInput, load_with};
 use mipfold::roughness::Alpha;
 use mipfold::sample::Sample;
@@ -199,7 +200,7 @@ pub fn exr32(
     let channels: Vec<_> =
         channels.iter().map(|name| Channel { name: (*name).to_owned(), depth: Depth::Float }).collect();
     let file = std::fs::File::create(path).unwrap();
-    codec::write_exr(file, &channels, Size::new(width, height), &|_, c, y, x, out| {
+    codec::write_exr(file, &channels, Size::new(width, height), Wrap::Repeat, &|_, c, y, x, out| {
         out.iter_mut().enumerate().for_each(|(i, out)| *out = texel(x + i, y, c));
     })
     .unwrap();

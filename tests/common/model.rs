@@ -71,6 +71,13 @@ impl Scene {
         Self { json, binary }
     }
 
+    /// The bytes of an image.
+    pub fn image(&self, index: usize) -> &[u8] {
+        let view = &self.json["bufferViews"][self.json["images"][index]["bufferView"].as_u64().unwrap() as usize];
+        let number = |key: &str| view[key].as_u64().unwrap() as usize;
+        &self.binary[number("byteOffset")..][..number("byteLength")]
+    }
+
     /// As .glb, with a chunk that nobody knows at the end.
     pub fn glb(&self) -> Vec<u8> {
         glb(&serde_json::to_string(&self.json).unwrap(), &self.binary)

@@ -1,6 +1,8 @@
 // What the pages of this folder share.
 
 import * as THREE from 'three';
+import { GLTFLoader } from 'three/addons/loaders/GLTFLoader.js';
+import { KTX2Loader } from 'three/addons/loaders/KTX2Loader.js';
 
 const lines = [];
 
@@ -19,8 +21,35 @@ export async function ended() {
 addEventListener('error', ended);
 addEventListener('unhandledrejection', ended);
 
-// The words behind the address's question mark.
-export const words = decodeURIComponent(location.search.slice(1)).split(',');
+// The module that the address names, and the words for it.
+export const [name, ...words] = decodeURIComponent(location.search.slice(1)).split(',');
+
+export const renderer = new THREE.WebGLRenderer();
+
+// A loader of KTX 2, into what a renderer can show.
+export const ktx2 = (renderer) =>
+  new KTX2Loader().setTranscoderPath('/three/examples/jsm/libs/basis/').setWorkerLimit(1).detectSupport(renderer);
+
+// The scenes of glTF files.
+export async function models(files) {
+  const loader = new GLTFLoader().setKTX2Loader(ktx2(renderer));
+  const scenes = [];
+  for (const file of files) scenes.push((await loader.loadAsync(`/files/${file}`)).scene);
+  return scenes;
+}
+
+// A scene of what is given and of two lights.
+export function lit(things, places = [[0.3, 1.6, 2], [-1, 0.5, 1.2]]) {
+  const scene = new THREE.Scene().add(...things);
+  for (const place of places) {
+    const light = new THREE.DirectionalLight(0xffffff, 2);
+    light.position.set(...place);
+    scene.add(light);
+  }
+  return scene;
+}
+
+export const mean = (values) => values.reduce((a, b) => a + b, 0) / values.length;
 
 // Bytes as text.
 export function base64(bytes) {
@@ -30,7 +59,7 @@ export function base64(bytes) {
 }
 
 // What a scene looks like: width * height pixels of 4 numbers, from below.
-export function drawn(renderer, scene, camera, width, height, type) {
+function drawn(scene, camera, width, height, type) {
   const target = new THREE.WebGLRenderTarget(width, height, { type });
   const texels = new (type === THREE.FloatType ? Float32Array : Uint8Array)(4 * width * height);
   renderer.setRenderTarget(target);
@@ -40,6 +69,23 @@ export function drawn(renderer, scene, camera, width, height, type) {
   target.dispose();
   return texels;
 }
+
+// Radiance, green, of a scene, from below: each pixel the mean of finer * finer samples.
+export function radiance(scene, camera, width, height, finer = 1) {
+  const texels = drawn(scene, camera, width * finer, height * finer, THREE.FloatType);
+  const pixels = new Float64Array(width * height);
+  for (let y = 0; y < height * finer; y++) {
+    for (let x = 0; x < width * finer; x++) {
+      const sample = texels[4 * (y * width * finer + x) + 1];
+      pixels[Math.floor(y / finer) * width + Math.floor(x / finer)] += sample / (finer * finer);
+    }
+  }
+  return pixels;
+}
+
+// Root mean square difference of two lists of pictures.
+export const difference = (ours, truth) =>
+  Math.sqrt(mean(ours.map((picture, t) => mean(picture.map((v, i) => (v - truth[t][i]) ** 2)))));
 
 const reader = new THREE.RawShaderMaterial({
   glslVersion: THREE.GLSL3,
@@ -55,14 +101,13 @@ const reader = new THREE.RawShaderMaterial({
     void main() { texel = textureLod(map, gl_FragCoord.xy / size, level); }`,
 });
 const whole = new THREE.Mesh(new THREE.PlaneGeometry(2, 2), reader);
-const [scene, camera] = [new THREE.Scene().add(whole), new THREE.Camera()];
 whole.frustumCulled = false;
 
 // The texels of a level as shaders see them at their centres, under the texture's own filters: first row first.
-export function level(renderer, texture, number, width, height) {
+export function level(texture, number, width, height) {
   Object.assign(reader.uniforms, { map: { value: texture }, level: { value: number } });
   reader.uniforms.size.value.set(width, height);
-  return drawn(renderer, scene, camera, width, height, THREE.UnsignedByteType);
+  return drawn(new THREE.Scene().add(whole), new THREE.Camera(), width, height, THREE.UnsignedByteType);
 }
 
 // Pictures of radiance side by side, each width * height from below and scaled up: a PNG in base 64.

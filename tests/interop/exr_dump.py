@@ -4,7 +4,7 @@
 
 writes the levels one after another as 32-bit little-endian floats, texel by texel, and prints
 {"levels": [[width, height], ...], "channels": [names in the order of the floats], "types": [...],
-"tiled": bool}.
+"tiled": bool, "wrapmodes": "periodic,periodic" or the like}.
 """
 
 import json
@@ -30,4 +30,5 @@ json.dump({
     "channels": list(first.channelnames),
     "types": [str(first.channelformat(c)) for c in range(first.nchannels)],
     "tiled": first.tile_width > 0,
+    "wrapmodes": first.get_string_attribute("wrapmodes"),
 }, sys.stdout)

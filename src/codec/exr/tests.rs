@@ -54,7 +54,7 @@ fn bytes_do_not_depend_on_threads() {
 fn bad_channels_are_invalid_input() {
     for names in [&[][..], &["a", "a"], &[""], &["\u{4e2d}"]] {
         let channels: Vec<_> = names.iter().map(|n| Channel { name: (*n).to_owned(), depth: Depth::Half }).collect();
-        let result = write_exr(Cursor::new(Vec::new()), &channels, Size::new(2, 2), &|_, _, _, _, _| {});
+        let result = write_exr(Cursor::new(Vec::new()), &channels, Size::new(2, 2), Wrap::Repeat, &|_, _, _, _, _| {});
         assert_eq!(result.unwrap_err().kind(), io::ErrorKind::InvalidInput, "{names:?}");
     }
 }
@@ -76,7 +76,7 @@ fn errors_of_the_disk_are_passed_on() {
         }
     }
     let channels = [Channel { name: "Y".to_owned(), depth: Depth::Float }];
-    let result = write_exr(Full, &channels, Size::new(200, 200), &|_, _, _, _, out| out.fill(0.5));
+    let result = write_exr(Full, &channels, Size::new(200, 200), Wrap::Repeat, &|_, _, _, _, out| out.fill(0.5));
     assert_eq!(result.unwrap_err().kind(), io::ErrorKind::StorageFull);
 }
 

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use ndarray::Array3;
 
 use super::*;
-use crate::image::Samples;
+use crate::image::{Samples, Wrap};
 
 mod formats;
 mod hostile;
@@ -54,7 +54,7 @@ pub(super) fn exr_of(
     let channels: Vec<_> =
         channels.iter().map(|(name, depth)| Channel { name: (*name).to_owned(), depth: *depth }).collect();
     let mut out = Cursor::new(Vec::new());
-    write_exr(&mut out, &channels, size, &|level, channel, y, x, out| {
+    write_exr(&mut out, &channels, size, Wrap::Repeat, &|level, channel, y, x, out| {
         out.iter_mut().enumerate().for_each(|(i, out)| *out = value(level, channel, y, x + i));
     })
     .unwrap();

@@ -204,7 +204,7 @@ fn faults_of_gltf_are_named() {
         ("/scene", json!(4), "scene 4 of 1"),
         ("/scenes/0/nodes", json!([]), "no triangles"),
         ("/extensionsRequired", json!(["KHR_draco_mesh_compression"]), "compression"),
-        ("/meshes", json!(3), "JSON: invalid type"),
+        ("/meshes", json!(3), "JSON whose meshes is 3; expected a list"),
     ];
     for (pointer, value, expected) in cases {
         let found = changed(pointer, value.clone());
@@ -212,10 +212,18 @@ fn faults_of_gltf_are_named() {
     }
     let whole = glb(&document(None), &buffer());
     for (length, expected) in [(10, "header"), (14, "a chunk at byte 12"), (200, "chunks inside the file")] {
-        let found = message("a.glb", &whole[..length]);
+        let mut cut = whole[..length].to_vec();
+        if length > 12 {
+            let found = message("a.glb", &cut);
+            assert!(found.contains(&format!("tells of {} bytes, in a file of {length}", whole.len())), "{found}");
+            cut[8..12].copy_from_slice(&(length as u32).to_le_bytes());
+        }
+        let found = message("a.glb", &cut);
         assert!(found.contains(expected), "{length}: {found}");
     }
     assert!(message("a.glb", b"glTF\x01\0\0\0\0\0\0\0").contains("GLB version 1"));
+    assert!(message("a.glb", b"glTF\x02\0\0\0\0\0\0\0").contains("tells of 0 bytes, in a file of 12"));
+    assert_eq!(read("a.glb", &[&whole, &b"more"[..]].concat()).unwrap(), read("a.glb", &whole).unwrap());
     let deep = "[".repeat(100_000);
     assert!(message("a.gltf", format!("{{\"asset\":{deep}").as_bytes()).contains("JSON"));
 }

@@ -8,12 +8,12 @@ use glam::Vec2;
 use ndarray::{Array3, Axis};
 use serde::Deserialize;
 
-use super::{GREEN, LONGEST_NAME, Model, Pictures, wrap};
-use crate::codec::{self, Decoded};
-use crate::error::{Error, Result};
+use super::{GREEN, Model, Pictures, is_roughness, material_name, picture, wrap};
+use crate::codec::Decoded;
+use crate::error::Result;
 use crate::gltf::text::{at, items, member};
-use crate::gltf::{Buffers, Reader, TextureInfo, item, open, parts};
-use crate::image::{Raster, Samples};
+use crate::gltf::{Buffers, Reader, TextureInfo, item, open, parse, parts};
+use crate::image::{Raster, Samples, from_rows};
 use crate::material::{ChannelRef, Inputs, RoughnessInput};
 use crate::roughness::PerceptualRoughness;
 
@@ -45,7 +45,7 @@ pub struct AnisotropyUse {
 /// Materials of a file that use the same textures in the same way, and can be folded; most often one.
 #[derive(Clone, Debug)]
 pub struct Foldable {
-    /// What their chain is made from; its pictures are read by [`Foldable::read`], which multiplies the factors in.
+    /// What their chain is made from; its pictures are those of [`Foldable::picture`] with [`Foldable::apply_factors`].
     pub inputs: Inputs,
     /// Their numbers in the file.
     pub materials: Vec<usize>,
@@ -112,9 +112,10 @@ impl Default for Layout {
 
 impl Layout {
     /// Of a use of a texture.
-    fn of(info: &TextureInfo, text: &str) -> serde_json::Result<Self> {
-        let transform = at(text, &["extensions", "KHR_texture_transform"]);
-        let layout: Self = transform.map_or_else(|| Ok(Self::default()), serde_json::from_str)?;
+    fn of(path: &Path, info: &TextureInfo, text: &str) -> Result<Self> {
+        let name = "KHR_texture_transform";
+        let transform = at(text, &["extensions", name]);
+        let layout: Self = transform.map_or_else(|| Ok(Self::default()), |text| parse(path, name, text))?;
         Ok(Self { tex_coord: Some(layout.tex_coord.unwrap_or(info.tex_coord)), ..layout })
     }
 }
@@ -123,7 +124,7 @@ impl Model {
     /// What becomes of each material when the model is folded, in order of the first of those that share their textures.
     ///
     /// # Errors
-    /// A file that is no glTF, or that contradicts itself; a texture outside the model's own folder.
+    /// A file that is no glTF, or that contradicts itself. A picture that cannot be had leaves its material alone.
     pub fn fates(&self) -> Result<Vec<Fate>> {
         let (document, binary) = open(&self.path, &self.bytes)?;
         let text = parts(&self.path, &self.bytes)?.text;
@@ -137,7 +138,8 @@ impl Model {
             let foldable = match foldable(&mut pictures, index, text, &animated)? {
                 Ok(foldable) => foldable,
                 Err((reason, plain)) => {
-                    fates.push(Fate::Leave { material: index, name: name(&pictures, index)?, reason, plain });
+                    let name = material_name(document.materials[index].name.as_deref(), index);
+                    fates.push(Fate::Leave { material: index, name, reason, plain });
                     continue;
                 }
             };
@@ -162,47 +164,34 @@ impl Foldable {
     /// The picture of a path of [`Foldable::inputs`], as the file has it: a gray roughness map in all three colours.
     ///
     /// # Errors
-    /// Those of [`codec::read`].
+    /// Those of [`crate::codec::read`].
     pub fn picture(&self, path: &Path) -> Result<Decoded> {
-        let mut decoded = match self.embedded.get(path) {
-            Some(bytes) => codec::decode(path, bytes.to_vec())?,
-            None => codec::read(path)?,
-        };
-        if self.is_roughness(path) && decoded.raster.channels.len() < 3 {
-            decoded.raster = decoded.raster.gray_as_rgb();
-            decoded.plain_png = None;
-        }
-        Ok(decoded)
-    }
-
-    /// A picture with what the renderer makes of it: the factor times the roughness, directions turned. Floats, if that
-    /// changes anything, so that nothing is rounded.
-    ///
-    /// # Errors
-    /// Those of [`codec::read`].
-    pub fn read(&self, path: &Path) -> Result<Decoded> {
         if path == Path::new(EVEN_ANISOTROPY) {
             return Ok(self.even_anisotropy());
         }
-        let mut decoded = self.picture(path)?;
-        if self.is_roughness(path) && self.factor != 1.0 && decoded.raster.channels.len() >= 3 {
-            edit(&mut decoded, |texel| texel[GREEN] *= self.factor);
-        } else if let Some(anisotropy) = &self.anisotropy
-            && self.inputs.anisotropy.as_deref() == Some(path)
-            && decoded.raster.channels.len() >= 3
-            && (anisotropy.strength, anisotropy.rotation) != (1.0, 0.0)
-        {
-            edit(&mut decoded, |texel| {
-                turn(texel, anisotropy.rotation);
-                texel[2] *= anisotropy.strength;
-            });
-        }
-        Ok(decoded)
+        picture(&self.inputs, &self.embedded, path)
     }
 
-    /// Whether a path is that of the roughness texture.
-    pub fn is_roughness(&self, path: &Path) -> bool {
-        matches!(&self.inputs.roughness, RoughnessInput::Roughness(channel) if channel.path == path)
+    /// Makes of the picture of a path what the renderer makes of it: the factor times the roughness, directions turned.
+    /// Floats, if that changes anything, so that nothing is rounded.
+    pub fn apply_factors(&self, path: &Path, decoded: &mut Decoded) {
+        if decoded.raster.channels.len() < 3 {
+            return;
+        }
+        match &self.anisotropy {
+            _ if is_roughness(&self.inputs, path) && self.factor != 1.0 => {
+                edit(decoded, |texel| texel[GREEN] *= self.factor);
+            }
+            Some(AnisotropyUse { strength, rotation, texture: Some(_) })
+                if self.inputs.anisotropy.as_deref() == Some(path) && (*strength, *rotation) != (1.0, 0.0) =>
+            {
+                edit(decoded, |texel| {
+                    turn(texel, *rotation);
+                    texel[2] *= strength;
+                });
+            }
+            _ => {}
+        }
     }
 
     /// One texel that all others are like.
@@ -233,28 +222,14 @@ pub(crate) fn turn(texel: &mut [f32], radians: f32) {
 
 /// Changes every texel, in floats.
 fn edit(decoded: &mut Decoded, change: impl Fn(&mut [f32])) {
-    let raster = &decoded.raster;
-    let (height, width, channels) = raster.samples.dim();
-    let mut values = Array3::zeros((height, width, channels));
-    let mut row = vec![0.0; width];
-    for y in 0..height {
-        for channel in 0..channels {
-            raster.read(channel, y, 0, &mut row);
-            row.iter().enumerate().for_each(|(x, v)| values[(y, x, channel)] = *v);
-        }
-    }
+    let Raster { samples, channels } = &decoded.raster;
+    let read = |y: usize, channel: usize, row: &mut [f32]| decoded.raster.read(channel, y, 0, row);
+    let mut values = from_rows(decoded.raster.size(), samples.channels(), read);
     for mut texel in values.lanes_mut(Axis(2)) {
         change(texel.as_slice_mut().expect("channels lie together"));
     }
-    decoded.raster = Raster { samples: Samples::F32(values), channels: raster.channels.clone() };
+    decoded.raster = Raster { samples: Samples::F32(values), channels: channels.clone() };
     decoded.plain_png = None;
-}
-
-fn name(pictures: &Pictures, index: usize) -> Result<String> {
-    let Reader { path, document, .. } = *pictures.reader;
-    let name = item(path, &document.materials, index, "material")?.name.clone();
-    let name = name.unwrap_or_else(|| format!("material {index}"));
-    Ok(name.chars().filter(|c| !c.is_control()).take(LONGEST_NAME).collect())
 }
 
 /// Why a material stays as it is, and whether there is nothing to wonder about.
@@ -288,12 +263,8 @@ fn foldable(
         return left(format!("roughnessFactor {factor}; expected a number from 0 to 1"));
     }
     let anisotropy_text = at(text, &["extensions", "KHR_materials_anisotropy"]);
-    let anisotropy: Option<Anisotropy> = match anisotropy_text.map(serde_json::from_str).transpose() {
-        Ok(anisotropy) => anisotropy,
-        Err(error) => {
-            return Err(Error::invalid(path, format!("KHR_materials_anisotropy: {error}"), "its JSON schema"));
-        }
-    };
+    let parsed = |text| parse::<Anisotropy>(path, "KHR_materials_anisotropy", text);
+    let anisotropy = anisotropy_text.map(parsed).transpose()?;
     let anisotropy = anisotropy.filter(|anisotropy| anisotropy.anisotropy_strength != 0.0);
     if let Some(Anisotropy { anisotropy_strength: strength, anisotropy_rotation: rotation, .. }) = anisotropy
         && !((0.0..=1.0).contains(&strength) && rotation.is_finite())
@@ -317,15 +288,14 @@ fn foldable(
     ];
     let mut layouts: Vec<(&str, Layout)> = Vec::new();
     let mut found: Vec<Option<(TextureUse, PathBuf)>> = Vec::new();
-    let mut inputs = Inputs { name: name(pictures, index)?, ..Inputs::default() };
+    let mut inputs = Inputs { name: material_name(material.name.as_deref(), index), ..Inputs::default() };
     let mut embedded = HashMap::new();
     for (role, info, text) in uses {
         let (Some(info), Some(text)) = (info, text) else {
             found.push(None);
             continue;
         };
-        let wrong = |error| Error::invalid(path, format!("KHR_texture_transform: {error}"), "its JSON schema");
-        let layout = Layout::of(info, text).map_err(wrong)?;
+        let layout = Layout::of(path, info, text)?;
         let entry = item(path, &document.textures, info.index, "texture")?;
         let webp = entry.extensions.webp.as_ref().map(|webp| webp.source);
         let Some(image) = webp.or(entry.source) else {
@@ -341,7 +311,11 @@ fn foldable(
             ));
         }
         layouts.push((role, layout));
-        let (file, bytes) = pictures.get(info, role)?;
+        item(path, &document.images, image, "image")?;
+        let (file, bytes) = match pictures.get(info, role) {
+            Ok(picture) => picture,
+            Err(error) => return left(error.to_string()),
+        };
         embedded.extend(bytes.map(|bytes| (file.clone(), bytes)));
         if let Some(sampler) = entry.sampler
             && matches!(item(path, &document.samplers, sampler, "sampler")?.min_filter, Some(9728 | 9729))

@@ -209,7 +209,7 @@ fn level_0_settles_how_floats_are_read() {
     let channels = ["R", "G", "B"].map(|name| Channel { name: name.into(), depth: Depth::Float });
     let path = folder.path().join("n.exr");
     // Level 2, alone, would be more nearly unit if it were read as 0..1.
-    write_exr(fs::File::create(&path).unwrap(), &channels, Size::new(4, 4), &|level, c, y, x, out| {
+    write_exr(fs::File::create(&path).unwrap(), &channels, Size::new(4, 4), Wrap::Repeat, &|level, c, y, x, out| {
         for (i, out) in out.iter_mut().enumerate() {
             *out = if level == 2 { [0.5, 0.5, 1.0][c] } else { bump(x + i, y)[c] };
         }
@@ -325,7 +325,7 @@ fn lobes_files_that_hold_no_lobes_are_refused() {
         let path = folder.path().join("x_lobes.exr");
         let channels = names.map(|name| Channel { name: name.into(), depth: Depth::Float });
         let file = fs::File::create(&path).unwrap();
-        write_exr(file, &channels, Size::new(4, 2), &|_, c, _, _, out| out.fill(values[c])).unwrap();
+        write_exr(file, &channels, Size::new(4, 2), Wrap::Repeat, &|_, c, _, _, out| out.fill(values[c])).unwrap();
         read_lobes(&path)
     };
     let good = [0.0, 0.0, 1.0, 0.5, 0.25, 0.0];

@@ -78,6 +78,8 @@ pub struct Assignment {
     pub images: Vec<NewImage>,
     /// Textures that get another image in their place, by number: index of the new image.
     pub replaced: BTreeMap<usize, usize>,
+    /// Other images that only textures showed which now show another: index of that new image.
+    pub gone: BTreeMap<usize, usize>,
     /// Textures that are added.
     pub added: Vec<NewTexture>,
     /// By material and index of the folded material.
@@ -171,8 +173,9 @@ pub fn assign(text: &str, groups: &[(&Foldable, &[Slot])], keep: bool) -> Assign
     }
     if !keep {
         // An image goes if no texture that stays shows it.
+        let replaced = &out.replaced;
         let stays = |image: usize| {
-            let shows = |(i, images): (usize, &Vec<usize>)| !out.replaced.contains_key(&i) && images.contains(&image);
+            let shows = |(i, images): (usize, &Vec<usize>)| !replaced.contains_key(&i) && images.contains(&image);
             strange.contains(&image) || images.iter().enumerate().any(shows)
         };
         let mut taken = BTreeSet::new();
@@ -185,6 +188,8 @@ pub fn assign(text: &str, groups: &[(&Foldable, &[Slot])], keep: bool) -> Assign
             };
             new.takes = free && stems && taken.insert(new.from);
         }
+        let shown = replaced.iter().flat_map(|(texture, new)| images[*texture].iter().map(|image| (*image, *new)));
+        out.gone = shown.filter(|(image, _)| !stays(*image) && !taken.contains(image)).collect();
     }
     out
 }

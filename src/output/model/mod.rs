@@ -2,30 +2,34 @@
 //!
 //! What is not folded stays as it is written: the JSON is edited as text, buffers keep their bytes. Two things alone are
 //! taken out: images that nothing uses any more, and their bytes, with the offsets of what follows mended. Buffer views,
-//! textures, images and materials keep their numbers, so that what unknown extensions say of them holds; what an unknown
-//! extension may refer to is not taken out.
+//! textures, images and materials keep their numbers, so that what unknown extensions say of them holds: other forms of a
+//! texture that changes (a PNG beside WebP) show its new image, unless that is a data URI, and then they stay. What an
+//! unknown extension may refer to is not taken out.
 
 mod assign;
+mod digests;
+mod extensions;
 mod package;
 mod textures;
+mod views;
 mod write;
 
-use std::collections::BTreeSet;
+use std::collections::BTreeMap;
 
+pub use digests::{ImageDigest, digests};
 pub use textures::{Folded, FoldedMaterial, Left, Proof, Slot, fold_material};
 pub use write::{ModelFiles, sidecar_name};
 
-use serde::Serialize;
 use serde_json::Value;
-use sha2::{Digest, Sha256};
 
 use assign::{Assignment, NewImage, assign, path};
-use package::{Package, Place, data_uri, image_bytes, relative};
+use extensions::extensions;
+use package::{Package, Place, Whole, data_uri, image_bytes, relative};
 
 use crate::codec::texture::Effort;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::fold::Options;
-use crate::gltf::text::{Edits, at, items, member, members, quoted, with};
+use crate::gltf::text::{Edits, at, items, member, quoted, with};
 use crate::image::Sides;
 use crate::material::{Foldable, Model};
 use crate::ndf::Form;
@@ -81,41 +85,63 @@ pub struct ImageAbout {
     pub file: Option<String>,
 }
 
-/// Makes the new file; `stem` is its name without ending, and new files beside it begin with that. In a dry run (folded
-/// materials without textures) contents are missing, and names are right.
+/// A model that was changed.
+pub struct Rewritten {
+    /// What is to be written.
+    pub files: ModelFiles,
+    /// The new images.
+    pub images: Vec<ImageAbout>,
+    /// Old images that show a new one, for nothing else would use them: the numbers of both.
+    pub gone: BTreeMap<usize, usize>,
+    /// What could not be kept.
+    pub warnings: Vec<String>,
+}
+
+/// Makes the new file; `stem` is its name without ending, and new files beside it begin with that. Without textures (in a
+/// dry run, or before the work) contents are missing, and names are right.
 ///
 /// # Errors
-/// Files beside the model that cannot be read, buffers that contradict themselves.
+/// Buffers that cannot be read or contradict themselves, files outside the model's folder. Images that cannot be read stay
+/// as they are, with a warning.
 pub fn rewrite(
     model: &Model,
     groups: &[Group],
     options: &ModelOptions,
     to_binary: bool,
     stem: &str,
-) -> Result<(ModelFiles, Vec<ImageAbout>)> {
+) -> Result<Rewritten> {
     let mut package = Package::new(model, to_binary)?;
     let text = package.text;
     let given: Vec<(&Foldable, &[Slot])> =
         groups.iter().map(|group| (group.foldable, &group.folded.slots[..])).collect();
-    let plan = assign(text, &given, options.fallback);
+    let mut plan = assign(text, &given, options.fallback);
     let list = |key: &str| member(text, key).map_or_else(Vec::new, items);
     let (images, textures, materials) = (list("images"), list("textures"), list("materials"));
     let mut edits = Edits::new(text);
 
-    package.drop_images(&plan.images.iter().filter(|new| new.takes).map(|new| new.from).collect());
+    plan.gone.retain(|old, new| match package.place(plan.images[*new].from) {
+        Place::View(_) => true,
+        Place::File => package.document.images[*old].buffer_view.is_none(),
+        // The data would be there twice.
+        Place::Inline => false,
+    });
+    let taken = plan.images.iter().filter(|new| new.takes).map(|new| new.from);
+    package.drop_images(&taken.chain(plan.gone.keys().copied()).collect());
     let mut about: Vec<ImageAbout> = Vec::new();
     let mut new_images = Vec::new();
-    for new in &plan.images {
+    for (index, new) in plan.images.iter().enumerate() {
         let group = &groups[new.group];
         let folded = group.folded.textures.iter().find(|folded| folded.slot == new.slot);
         let bytes = folded.map_or_else(Vec::new, |folded| folded.bytes.clone());
         let old = &package.document.images[new.from];
         let name = image_name(old.name.as_deref(), new, group);
+        let gone: Vec<usize> = plan.gone.iter().filter(|(_, new)| **new == index).map(|(old, _)| *old).collect();
         let mut file = None;
         let content = match package.place(new.from) {
             Place::View(buffer) => {
-                let view = package.document.images[new.from].buffer_view.filter(|_| new.takes);
-                let view = package.add(buffer, bytes, view);
+                let own = [new.from].into_iter().filter(|_| new.takes).chain(gone.iter().copied());
+                let views: Vec<usize> = own.filter_map(|image| package.document.images[image].buffer_view).collect();
+                let view = package.add(buffer, bytes, &views);
                 [("uri", None), ("bufferView", Some(view.to_string()))]
             }
             Place::Inline => [("bufferView", None), ("uri", Some(quoted(&data_uri("image/ktx2", &bytes))))],
@@ -128,6 +154,7 @@ pub fn rewrite(
         };
         let mime_type = [("mimeType", Some(quoted("image/ktx2")))];
         let changes: Vec<_> = content.into_iter().chain(mime_type).collect();
+        gone.iter().for_each(|old| edits.replace(images[*old], with(images[*old], &changes)));
         let image = if new.takes {
             edits.replace(images[new.from], with(images[new.from], &changes));
             new.from
@@ -137,19 +164,11 @@ pub fn rewrite(
         };
         about.push(ImageAbout { group: new.group, slot: new.slot, from: new.from, image, replaces: new.takes, file });
     }
-    let taken: BTreeSet<usize> = about.iter().filter(|about| about.replaces).map(|about| about.image).collect();
-    for (i, image) in images.iter().enumerate().filter(|(i, _)| !taken.contains(i)) {
-        let Some(uri) = package.document.images[i].uri.clone() else { continue };
-        if to_binary && !package.from_binary {
-            let bytes = image_bytes(&package, i)?;
-            let mime_type = package.document.images[i].mime_type.clone().or(mime_type(&bytes).map(str::to_owned));
-            let view = package.add(0, bytes, None);
-            let mut changes = vec![("uri", None), ("bufferView", Some(view.to_string()))];
-            changes.extend(mime_type.map(|mime_type| ("mimeType", Some(quoted(&mime_type)))));
-            edits.replace(image, with(image, &changes));
-        } else if !uri.starts_with("data:") {
-            let file = crate::gltf::beside(&model.path, &uri, &format!("image {i}"))?;
-            package.files.push((relative(&model.path, &file), package::Beside::Copy(file)));
+    let gone: BTreeMap<usize, usize> = plan.gone.iter().map(|(old, new)| (*old, about[*new].image)).collect();
+    let stays = |i: &usize| !gone.contains_key(i) && !about.iter().any(|about| about.replaces && about.image == *i);
+    for i in (0..images.len()).filter(stays) {
+        if let Err(error) = carry(&mut package, &mut edits, images[i], i) {
+            package.warnings.push(format!("image {i} stays as it is written: {error}"));
         }
     }
 
@@ -173,8 +192,26 @@ pub fn rewrite(
     }
     extensions(text, &mut edits, &plan, groups, options);
     let inputs = package.inputs()?;
-    let (main, beside) = package.finish(edits, stem)?;
-    Ok((ModelFiles { main, beside, inputs }, about))
+    let Whole { main, beside, warnings } = package.finish(edits, stem)?;
+    Ok(Rewritten { files: ModelFiles { main, beside, inputs }, images: about, gone, warnings })
+}
+
+/// Takes an image along that stays what it is: into the .glb that is made of a .gltf, or as a file.
+fn carry<'a>(package: &mut Package<'a>, edits: &mut Edits<'a>, text: &'a str, image: usize) -> Result<()> {
+    let Some(uri) = package.document.images[image].uri.clone() else { return Ok(()) };
+    if package.to_binary && !package.from_binary {
+        let bytes = image_bytes(package, &package.buffers(), image)?.into_owned();
+        let mime_type = package.document.images[image].mime_type.clone().or(mime_type(&bytes).map(str::to_owned));
+        let view = package.add(0, bytes, &[]);
+        let mut changes = vec![("uri", None), ("bufferView", Some(view.to_string()))];
+        changes.extend(mime_type.map(|mime_type| ("mimeType", Some(quoted(&mime_type)))));
+        edits.replace(text, with(text, &changes));
+    } else if !uri.starts_with("data:") {
+        let file = crate::gltf::beside(package.path, &uri, &format!("image {image}"))?;
+        std::fs::File::open(&file).map_err(|error| Error::io(&file, error))?;
+        package.files.push((relative(package.path, &file), package::Beside::Copy(file)));
+    }
+    Ok(())
 }
 
 /// A name for an image.
@@ -272,101 +309,4 @@ fn material_with(material: &str, number: usize, group: &Group, plan: &Assignment
         changes.push(("occlusionTexture", Some(with(info, &index(texture)))));
     }
     with(material, &changes)
-}
-
-/// Names the extensions that are used now.
-fn extensions(text: &str, edits: &mut Edits, plan: &Assignment, groups: &[Group], options: &ModelOptions) {
-    let strings = |key: &str| -> Vec<String> {
-        let items = member(text, key).map_or_else(Vec::new, items);
-        items.into_iter().filter_map(|text| serde_json::from_str(text).ok()).collect()
-    };
-    let (old_used, old_required) = (strings("extensionsUsed"), strings("extensionsRequired"));
-    let (mut used, mut required) = (old_used.clone(), old_required.clone());
-    if !plan.images.is_empty() && !options.fallback {
-        // Textures that still have another form.
-        let textures = member(text, "textures").map_or_else(Vec::new, items);
-        let kept = textures.iter().enumerate().filter(|(i, _)| !plan.replaced.contains_key(i));
-        let forms = kept.flat_map(|(_, text)| member(text, "extensions").map_or_else(Vec::new, members));
-        let forms: BTreeSet<String> = forms.map(|(name, _)| name).collect();
-        let gone = |name: &String| (OTHER_FORMS.contains(&name.as_str()) || name == BASISU) && !forms.contains(name);
-        used.retain(|name| !gone(name));
-        required.retain(|name| !gone(name));
-    }
-    let add = |list: &mut Vec<String>, name: &str| {
-        if !list.iter().any(|other| other == name) {
-            list.push(name.to_owned());
-        }
-    };
-    if !plan.images.is_empty() && options.compress == Compress::Uastc {
-        add(&mut used, BASISU);
-        if !options.fallback {
-            add(&mut required, BASISU);
-        }
-    }
-    if groups.iter().any(|group| group.folded.slots.contains(&Slot::Anisotropy)) {
-        add(&mut used, ANISOTROPY);
-    }
-    let mut at_root = Vec::new();
-    for (key, old, new) in [("extensionsUsed", old_used, used), ("extensionsRequired", old_required, required)] {
-        if old == new {
-            continue;
-        }
-        let array = |new: &[String]| new.iter().map(|name| quoted(name)).collect::<Vec<_>>();
-        match member(text, key) {
-            Some(place) if new.starts_with(&old) => edits.append(place, &array(&new[old.len()..])),
-            Some(place) => edits.replace(place, format!("[{}]", array(&new).join(","))),
-            None => at_root.push((key, format!("[{}]", array(&new).join(",")))),
-        }
-    }
-    edits.add(text, &at_root);
-}
-
-/// An image before and after.
-#[derive(Clone, Debug, Serialize)]
-pub struct ImageDigest {
-    /// Its number.
-    pub image: usize,
-    /// `kept`, `folded` (another content under the same number) or `added`.
-    pub state: &'static str,
-    /// SHA-256 of what the model had.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub before: Option<String>,
-    /// SHA-256 of what it has; unknown in a dry run.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub after: Option<String>,
-}
-
-/// Digests of all images of a model, of which some are new.
-///
-/// # Errors
-/// Images that cannot be read.
-pub fn digests(model: &Model, images: &[ImageAbout], groups: &[Group]) -> Result<Vec<ImageDigest>> {
-    let package = Package::new(model, true)?;
-    let count = package.document.images.len();
-    let new = |i: usize| images.iter().find(|about| about.image == i);
-    let after = |about: &ImageAbout| {
-        let textures = &groups[about.group].folded.textures;
-        let texture = textures.iter().find(|texture| texture.slot == about.slot)?;
-        Some(hexadecimal(&Sha256::digest(&texture.bytes)))
-    };
-    let mut out = Vec::new();
-    for image in 0..count {
-        let before = hexadecimal(&Sha256::digest(image_bytes(&package, image)?));
-        out.push(match new(image) {
-            Some(about) => ImageDigest { image, state: "folded", before: Some(before), after: after(about) },
-            None => ImageDigest { image, state: "kept", after: Some(before.clone()), before: Some(before) },
-        });
-    }
-    let added = images.iter().filter(|about| about.image >= count);
-    out.extend(added.map(|about| ImageDigest {
-        image: about.image,
-        state: "added",
-        before: None,
-        after: after(about),
-    }));
-    Ok(out)
-}
-
-fn hexadecimal(digest: &[u8]) -> String {
-    digest.iter().map(|byte| format!("{byte:02x}")).collect()
 }

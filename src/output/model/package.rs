@@ -1,13 +1,15 @@
 //! The bytes of a model: buffers without what nothing uses any more and with what is new, and the chunks of a .glb.
 
+use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
-use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use super::assign::is_known;
+use super::views::{check_views, is_fallback, removed, view_moved};
+use crate::codec::read_file;
 use crate::error::{Error, Result};
-use crate::gltf::text::{Edits, items, member, members, numbers, quoted, with};
-use crate::gltf::{Buffers, Document, beside, binary, inline, open, parts};
+use crate::gltf::text::{Edits, items, member, numbers, quoted, with};
+use crate::gltf::{Buffers, Document, Reader, beside, binary, inline, open, parts};
 use crate::material::Model;
 
 /// Where the content of an image lies.
@@ -24,11 +26,12 @@ pub enum Place {
 /// Parts of buffers begin at multiples of this; the widest component of an accessor has 4, textures like 16.
 const ALIGNMENT: usize = 16;
 
-/// Extensions of buffer views that place data, with members like a view's own.
-const PLACING: [&str; 2] = ["EXT_meshopt_compression", "KHR_meshopt_compression"];
-
-/// The bytes of a model, and the files beside it by their names.
-pub type Whole = (Vec<u8>, Vec<(String, Beside)>);
+/// A model with the files beside it by their names, and what was lost on the way.
+pub struct Whole {
+    pub main: Vec<u8>,
+    pub beside: Vec<(String, Beside)>,
+    pub warnings: Vec<String>,
+}
 
 /// A file beside the model.
 #[derive(Debug)]
@@ -54,15 +57,21 @@ pub struct Package<'a> {
     dropped: BTreeSet<usize>,
     /// What is added to buffers: the buffer, and the bytes.
     added: Vec<(usize, Vec<u8>)>,
-    /// The views that get what was added, by index there; others are new.
+    /// The views that get what was added, by index there.
     reused: BTreeMap<usize, usize>,
+    /// The same of views that are new, in their order.
+    new_views: Vec<usize>,
     pub files: Vec<(String, Beside)>,
+    pub warnings: Vec<String>,
 }
 
 impl<'a> Package<'a> {
+    /// # Errors
+    /// A file that is no glTF; parts of it that are outside what they are parts of.
     pub fn new(model: &'a Model, to_binary: bool) -> Result<Self> {
         let (document, binary) = open(&model.path, &model.bytes)?;
         let parts = parts(&model.path, &model.bytes)?;
+        check_views(&model.path, parts.text, &document, binary)?;
         for (what, uris) in [
             ("buffer", document.buffers.iter().map(|b| b.uri.as_deref()).collect::<Vec<_>>()),
             ("image", document.images.iter().map(|i| i.uri.as_deref()).collect()),
@@ -71,6 +80,16 @@ impl<'a> Package<'a> {
                 let file = uri.filter(|uri| !uri.starts_with("data:"));
                 file.map(|uri| beside(&model.path, uri, &format!("{what} {i}"))).transpose()?;
             }
+        }
+        let mut warnings = Vec::new();
+        if parts.beyond > 0 {
+            warnings.push(format!("{} bytes after the end that its header tells are left out", parts.beyond));
+        }
+        if parts.binary && !to_binary {
+            warnings.extend(parts.others.iter().map(|(kind, chunk)| {
+                let kind = kind.to_le_bytes().escape_ascii().to_string();
+                format!("its chunk {kind} of {} bytes is left out: a .gltf has no place for it", chunk.len())
+            }));
         }
         Ok(Self {
             path: &model.path,
@@ -83,8 +102,20 @@ impl<'a> Package<'a> {
             dropped: BTreeSet::new(),
             added: Vec::new(),
             reused: BTreeMap::new(),
+            new_views: Vec::new(),
             files: Vec::new(),
+            warnings,
         })
+    }
+
+    /// Its buffers, each of which is read once.
+    pub fn buffers(&self) -> Buffers<'_> {
+        Buffers::new(self.path, &self.document.buffers, self.binary)
+    }
+
+    /// Whether a buffer is the binary chunk.
+    fn in_chunk(&self, buffer: usize) -> bool {
+        buffer == 0 && self.binary.is_some() && self.document.buffers[0].uri.is_none()
     }
 
     /// Whether the buffers become one.
@@ -105,20 +136,18 @@ impl<'a> Package<'a> {
         }
     }
 
-    /// Adds bytes to a buffer; the number of their view, which is that of `instead` if nothing else needs that.
-    pub fn add(&mut self, buffer: usize, bytes: Vec<u8>, instead: Option<usize>) -> usize {
+    /// Adds bytes to a buffer; the number of their view: the first of `instead` that was given up, or a new one. All of
+    /// `instead` that were given up show them.
+    pub fn add(&mut self, buffer: usize, bytes: Vec<u8>, instead: &[usize]) -> usize {
         let added = self.added.len();
+        let free = |view: &&usize| self.dropped.contains(view) && !self.reused.contains_key(view);
+        let free: Vec<usize> = instead.iter().filter(free).copied().collect();
+        self.reused.extend(free.iter().map(|view| (*view, added)));
         self.added.push((buffer, bytes));
-        match instead.filter(|view| self.dropped.contains(view) && !self.reused.contains_key(view)) {
-            Some(view) => {
-                self.reused.insert(view, added);
-                view
-            }
-            None => {
-                let new = added - self.reused.len();
-                self.document.buffer_views.len() + new
-            }
-        }
+        free.first().copied().unwrap_or_else(|| {
+            self.new_views.push(added);
+            self.document.buffer_views.len() + self.new_views.len() - 1
+        })
     }
 
     /// Gives up the views of images that are taken out, where nothing else uses them.
@@ -170,58 +199,63 @@ impl<'a> Package<'a> {
         let (views, buffers) = (list("bufferViews"), list("buffers"));
         let holder = Buffers::new(path, &self.document.buffers, self.binary);
 
-        // Buffers that come out other than they went in.
-        let in_chunk = |b: usize| b == 0 && self.document.buffers[b].uri.is_none() && self.binary.is_some();
-        let moves = |b: usize| self.merges() || (in_chunk(b) && !self.to_binary);
+        // Buffers that come out other than they went in; those without bytes stay.
+        let empty = |b: usize| !self.in_chunk(b) && is_fallback(buffers[b]);
+        let full = || (0..buffers.len()).filter(|b| !empty(*b));
+        let merges = self.merges() && (full().next().is_some() || !self.added.is_empty());
+        let moves = |b: usize| merges || (self.in_chunk(b) && !self.to_binary);
         let grows: BTreeSet<usize> = self.added.iter().map(|(buffer, _)| *buffer).collect();
         let shrinks: BTreeSet<usize> =
             self.dropped.iter().map(|view| self.document.buffer_views[*view].buffer).collect();
-        let changed: Vec<bool> =
-            (0..buffers.len()).map(|b| moves(b) || grows.contains(&b) || shrinks.contains(&b)).collect();
-        let removed = self.removed(&views);
+        let changes = |b: usize| !empty(b) && (moves(b) || grows.contains(&b) || shrinks.contains(&b));
+        let changed: Vec<bool> = (0..buffers.len()).map(changes).collect();
+        // Their numbers afterwards: where all become one, those without bytes follow it.
+        let number = |b: usize| match (merges, empty(b)) {
+            (false, _) => b,
+            (true, false) => 0,
+            (true, true) => 1 + (0..b).filter(|b| empty(*b)).count(),
+        };
+        let numbers: Vec<usize> = (0..buffers.len()).map(number).collect();
+        let removed = removed(&self.document, &views, &self.dropped);
         let mut contents: Vec<Vec<u8>> = vec![Vec::new(); buffers.len().max(usize::from(!grows.is_empty()))];
         let mut base = vec![0; contents.len()];
         for b in (0..buffers.len()).filter(|b| changed[*b]) {
             let length = self.document.buffers[b].byte_length as usize;
             let data = &holder.get(b)?[..length];
-            let to = if self.merges() { 0 } else { b };
-            pad(&mut contents[to], if self.merges() { ALIGNMENT } else { 1 });
+            let to = numbers[b];
+            pad(&mut contents[to], if merges { ALIGNMENT } else { 1 });
             base[b] = contents[to].len();
             let mut from = 0;
-            for range in removed[b].iter().map(|range| range.start.min(length)..range.end.min(length)) {
+            for range in &removed[b] {
                 contents[to].extend(&data[from..range.start]);
                 from = range.end;
             }
             contents[to].extend(&data[from..]);
         }
         let moved = |buffer: usize, offset: usize| -> (usize, usize) {
-            if changed.get(buffer) != Some(&true) {
-                return (buffer, offset);
+            if !changed[buffer] {
+                return (numbers[buffer], offset);
             }
             let gone: usize =
                 removed[buffer].iter().take_while(|range| range.end <= offset).map(|range| range.len()).sum();
-            (if self.merges() { 0 } else { buffer }, base[buffer].saturating_add(offset - gone))
+            (numbers[buffer], base[buffer] + offset - gone)
         };
 
-        let mut new_views: Vec<String> = Vec::new();
-        let mut renewed: BTreeMap<usize, String> = BTreeMap::new();
-        for (i, (buffer, bytes)) in self.added.iter().enumerate() {
+        let mut places = Vec::new();
+        for (buffer, bytes) in &self.added {
             pad(&mut contents[*buffer], ALIGNMENT);
-            let place = [
+            places.push([
                 ("buffer", Some(buffer.to_string())),
                 ("byteOffset", Some(contents[*buffer].len().to_string())),
                 ("byteLength", Some(bytes.len().to_string())),
-            ];
+            ]);
             contents[*buffer].extend(bytes);
-            match self.reused.iter().find(|(_, added)| **added == i) {
-                Some((view, _)) => drop(renewed.insert(*view, with(views[*view], &place))),
-                None => new_views.push(with("{}", &place)),
-            }
         }
         for (i, view) in views.iter().enumerate() {
-            let new = renewed.remove(&i).unwrap_or_else(|| view_moved(view, &moved, self.dropped.contains(&i)));
-            edits.replace(view, new);
+            let added = self.reused.get(&i);
+            edits.replace(view, added.map_or_else(|| view_moved(view, &moved), |added| with(view, &places[*added])));
         }
+        let new_views: Vec<String> = self.new_views.iter().map(|added| with("{}", &places[*added])).collect();
         let mut at_root: Vec<(&str, String)> = Vec::new();
         match member(self.text, "bufferViews") {
             Some(array) => edits.append(array, &new_views),
@@ -230,20 +264,22 @@ impl<'a> Package<'a> {
         }
 
         let mut chunk = self.binary.filter(|_| self.to_binary && !changed.first().copied().unwrap_or(false));
-        let merged = contents.first().cloned().filter(|_| self.merges() && !contents[0].is_empty());
-        if let Some(bytes) = &merged {
-            let one = |text: &str| with(text, &[("uri", None), ("byteLength", Some(bytes.len().to_string()))]);
+        if merges {
+            let first = full().next().map_or("{}", |b| buffers[b]);
+            let one = with(first, &[("uri", None), ("byteLength", Some(contents[0].len().to_string()))]);
+            let empty = (0..buffers.len()).filter(|b| empty(*b)).map(|b| buffers[b].to_owned());
+            let all = format!("[{}]", [one].into_iter().chain(empty).collect::<Vec<_>>().join(","));
             match member(self.text, "buffers") {
-                Some(array) => edits.replace(array, format!("[{}]", one(buffers.first().unwrap_or(&"{}")))),
-                None => at_root.push(("buffers", format!("[{}]", one("{}")))),
+                Some(array) => edits.replace(array, all),
+                None => at_root.push(("buffers", all)),
             }
-            chunk = Some(bytes);
+            chunk = Some(&contents[0]);
         } else {
             for b in (0..buffers.len()).filter(|b| changed[*b]) {
                 let content = std::mem::take(&mut contents[b]);
                 let length = Some(content.len().to_string());
                 let uri = self.document.buffers[b].uri.as_deref();
-                if in_chunk(b) && self.to_binary {
+                if self.in_chunk(b) && self.to_binary {
                     edits.replace(buffers[b], with(buffers[b], &[("byteLength", length)]));
                     contents[b] = content;
                 } else if uri.is_some_and(|uri| uri.starts_with("data:")) {
@@ -274,86 +310,7 @@ impl<'a> Package<'a> {
             Error::invalid(path, found, "lists and objects as glTF 2.0 has them")
         })?;
         let main = if self.to_binary { binary(path, &text, chunk, &self.others)? } else { text.into_bytes() };
-        Ok((main, self.files))
-    }
-
-    /// Ranges of each buffer that only views that are given up lie in. Lengths are multiples of 4, so that what follows
-    /// stays aligned.
-    fn removed(&self, views: &[&str]) -> Vec<Vec<Range<usize>>> {
-        let mut removed = vec![Vec::new(); self.document.buffers.len()];
-        let plain = |text: &&str| {
-            let extensions = member(text, "extensions").map_or_else(Vec::new, members);
-            extensions.iter().all(|(name, _)| PLACING.contains(&name.as_str()))
-        };
-        // What other extensions of views mean is not known: nothing moves.
-        if !views.iter().all(plain) {
-            return removed;
-        }
-        let mut kept: Vec<(usize, Range<usize>)> = Vec::new();
-        let mut gone = Vec::new();
-        for (i, view) in self.document.buffer_views.iter().enumerate() {
-            let start = view.byte_offset as usize;
-            let range = start..start.saturating_add(view.byte_length as usize);
-            let to = if self.dropped.contains(&i) { &mut gone } else { &mut kept };
-            to.push((view.buffer, range));
-        }
-        for view in views {
-            for (_, text) in member(view, "extensions").map_or_else(Vec::new, members) {
-                let number = |key| member(text, key).and_then(|text| text.parse::<usize>().ok()).unwrap_or(0);
-                let start = number("byteOffset");
-                kept.push((number("buffer"), start..start.saturating_add(number("byteLength"))));
-            }
-        }
-        kept.sort_by_key(|(_, range)| range.start);
-        gone.sort_by_key(|(_, range)| range.start);
-        for (buffer, range) in gone {
-            let Some(list) = removed.get_mut(buffer) else { continue };
-            let mut start = list.last().map_or(range.start, |last: &Range<usize>| range.start.max(last.end));
-            let mut push = |part: Range<usize>| {
-                let length = part.len() / 4 * 4;
-                if length > 0 && part.start < part.end {
-                    list.push(part.start..part.start + length);
-                }
-            };
-            for (_, keep) in kept.iter().filter(|(of, _)| *of == buffer) {
-                if keep.end > start && keep.start < range.end {
-                    push(start..keep.start.max(start));
-                    start = keep.end;
-                }
-            }
-            push(start..range.end.max(start));
-        }
-        removed
-    }
-}
-
-/// A view at its new place.
-fn view_moved(view: &str, moved: &dyn Fn(usize, usize) -> (usize, usize), dropped: bool) -> String {
-    let number = |text: &str, key| member(text, key).and_then(|text| text.parse::<usize>().ok());
-    let place = |text: &str| {
-        let (buffer, offset) = (number(text, "buffer").unwrap_or(0), number(text, "byteOffset"));
-        let (to, at) = moved(buffer, offset.unwrap_or(0));
-        if (to, at) == (buffer, offset.unwrap_or(0)) {
-            return text.to_owned();
-        }
-        with(text, &[("buffer", Some(to.to_string())), ("byteOffset", Some(at.to_string()))])
-    };
-    if dropped {
-        return view.to_owned();
-    }
-    let extensions = member(view, "extensions");
-    let placing = |text: &str| members(text).iter().any(|(name, _)| PLACING.contains(&name.as_str()));
-    match extensions.filter(|text| placing(text)) {
-        None => place(view),
-        Some(text) => {
-            let changes: Vec<(String, String)> =
-                members(text).into_iter().map(|(name, text)| (name, place(text))).collect();
-            let changes: Vec<(&str, Option<String>)> =
-                changes.iter().map(|(name, text)| (name.as_str(), Some(text.clone()))).collect();
-            let new = with(text, &changes);
-            let moved = place(view);
-            if new == with(text, &[]) { moved } else { with(&moved, &[("extensions", Some(new))]) }
-        }
+        Ok(Whole { main, beside: self.files, warnings: self.warnings })
     }
 }
 
@@ -373,21 +330,17 @@ pub fn relative(model: &Path, file: &Path) -> String {
     parts.iter().map(|part| part.as_os_str().to_string_lossy()).collect::<Vec<_>>().join("/")
 }
 
-/// The bytes of an image, wherever they are.
-pub fn image_bytes(package: &Package, image: usize) -> Result<Vec<u8>> {
+/// The bytes of an image, wherever they are; `buffers` are the package's.
+pub fn image_bytes<'b>(package: &'b Package, buffers: &'b Buffers, image: usize) -> Result<Cow<'b, [u8]>> {
     let (path, document) = (package.path, &package.document);
     let entry = &document.images[image];
     let what = format!("image {image}");
     match (&entry.uri, entry.buffer_view) {
         (Some(uri), _) => match inline(path, uri, &what)? {
-            Some(bytes) => Ok(bytes),
-            None => crate::codec::read_file(&beside(path, uri, &what)?, "a picture file", u64::MAX),
+            Some(bytes) => Ok(bytes.into()),
+            None => Ok(read_file(&beside(path, uri, &what)?, "a picture file", u64::MAX)?.into()),
         },
-        (None, Some(view)) => {
-            let buffers = Buffers::new(path, &document.buffers, package.binary);
-            let reader = crate::gltf::Reader { path, document, buffers: &buffers };
-            Ok(reader.view(view)?.to_vec())
-        }
+        (None, Some(view)) => Ok(Reader { path, document, buffers }.view(view)?.into()),
         (None, None) => Err(Error::invalid(path, format!("{what} without data"), "a uri or a buffer view")),
     }
 }

@@ -3,21 +3,20 @@
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
-use ndarray::{Array3, Axis};
 use rayon::prelude::*;
 use serde::Serialize;
 use sha2::{Digest, Sha256};
 
 use super::ModelOptions;
-use crate::codec::texture::{Effort, TexelFormat, Texture, encode, write_ktx2};
+use crate::codec::texture::{TexelFormat, write_ktx2};
 use crate::error::{Error, Result};
 use crate::fold::{Chain, Options};
-use crate::image::{Raster, Samples, Size};
+use crate::image::{Raster, Size, from_rows};
 use crate::material::{Encoding, Foldable, MapFile, Material, Role, load_with, turn};
 use crate::ndf::Form;
 use crate::output::preset::Compress;
 use crate::output::sheet::{Sheet, Source};
-use crate::output::{Gain, Layer, Rows, fold_for, gain, texture_of};
+use crate::output::{ChangeTexel, Gain, Layer, Rows, fold_for, gain, texture_changed, texture_of};
 
 /// Which texture of a material.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize)]
@@ -78,8 +77,8 @@ pub struct Left {
 
 /// A material that was folded, or can be.
 pub struct FoldedMaterial {
-    /// Of level 0.
-    pub size: Size,
+    /// Of level 0; unknown before it is read.
+    pub size: Option<Size>,
     /// Without pictures in a dry run.
     pub textures: Vec<Folded>,
     /// Which textures there are, or will be.
@@ -96,6 +95,40 @@ pub struct FoldedMaterial {
     pub warnings: Vec<String>,
 }
 
+impl FoldedMaterial {
+    /// What a material will be folded to, as far as that is known before it is read; or why it stays as it is: there is no
+    /// form that its anisotropy would survive in.
+    pub fn planned(foldable: &Foldable, options: &ModelOptions) -> std::result::Result<Self, Left> {
+        let lost = |why: String| {
+            let reason = format!("its anisotropy (KHR_materials_anisotropy) needs two widths, and {why}");
+            Err(Left { reason, plain: false })
+        };
+        let fold = options.fold.fold;
+        let form = match (foldable.anisotropy.is_some(), options.form) {
+            (true, Some(Form::Isotropic)) => return lost("lobes of one were asked for (iso)".into()),
+            (true, None) if !fold.has_two_widths() => return lost(format!("the fold {} has one", fold.name)),
+            (true, None) => Form::Anisotropic,
+            (_, form) => form.unwrap_or(Form::Isotropic),
+        };
+        let mut slots = vec![Slot::Normal, Slot::Roughness];
+        slots.extend((form == Form::Anisotropic).then_some(Slot::Anisotropy));
+        Ok(Self {
+            size: None,
+            textures: Vec::new(),
+            slots,
+            gain: None,
+            keeps_factor: true,
+            keeps_strength: true,
+            notes: Vec::new(),
+            warnings: Vec::new(),
+        })
+    }
+
+    fn form(&self) -> Form {
+        if self.slots.contains(&Slot::Anisotropy) { Form::Anisotropic } else { Form::Isotropic }
+    }
+}
+
 /// What is done to the channels of every texel on their way into a texture.
 type Change = Box<dyn Fn(&mut [f32]) + Sync>;
 
@@ -104,36 +137,47 @@ struct Seen {
     path: PathBuf,
     size: Size,
     bits: u8,
+    /// SHA-256 of each.
     channels: Vec<String>,
 }
 
-/// Reads and folds a material, or says why it stays as it is: its maps are no material, or folding gains too little. A dry
-/// run reads it only.
+impl Seen {
+    fn new(path: &Path, picture: &Raster) -> Self {
+        let (size, bits) = (picture.size(), picture.bits());
+        let channel = |c| digest(size, bits, |y, row| picture.read(c, y, 0, row));
+        let channels = (0..picture.channels.len()).into_par_iter().map(channel).collect();
+        Self { path: path.to_owned(), size, bits, channels }
+    }
+}
+
+/// Reads and folds a material, or says why it stays as it is: its maps cannot be read or are no material, they have
+/// anisotropy that would be lost, or folding gains too little. A dry run reads it only.
 ///
 /// # Errors
-/// Pictures that cannot be read; sides that no compressed texture has.
+/// Sides that no compressed texture has.
 pub fn fold_material(
     foldable: &Foldable,
     options: &ModelOptions,
     dry_run: bool,
     done: &(dyn Fn(f64) + Sync),
 ) -> Result<std::result::Result<FoldedMaterial, Left>> {
+    let mut folded = match FoldedMaterial::planned(foldable, options) {
+        Ok(planned) => planned,
+        Err(left) => return Ok(Err(left)),
+    };
     let seen: Mutex<Vec<Seen>> = Mutex::default();
+    // Each picture is decoded once, and gone when it is a map of the material.
     let read = |path: &Path| {
-        let decoded = foldable.read(path)?;
+        let mut decoded = foldable.picture(path)?;
         if decoded.bytes_len > 0 {
-            let picture = foldable.picture(path)?.raster;
-            let (size, bits) = (picture.size(), picture.bits());
-            let channels = (0..picture.channels.len()).map(|c| digest(size, bits, |y, row| picture.read(c, y, 0, row)));
-            let channels = channels.collect();
-            seen.lock().expect("no reader panics").push(Seen { path: path.to_owned(), size, bits, channels });
+            seen.lock().expect("no reader panics").push(Seen::new(path, &decoded.raster));
         }
+        foldable.apply_factors(path, &mut decoded);
         Ok(decoded)
     };
     let inputs = crate::material::Inputs { sides: options.sides, ..foldable.inputs.clone() };
     let mut material = match load_with(&inputs, &read) {
         Ok(material) => material,
-        Err(error @ Error::Io { .. }) => return Err(error),
         Err(error) => return Ok(Err(Left { reason: error.to_string(), plain: false })),
     };
     let seen = seen.into_inner().expect("no reader panics");
@@ -143,8 +187,7 @@ pub fn fold_material(
             "sides that are multiples of 4, since texels are compressed in blocks of 4x4; --resize 4 enlarges";
         return Err(Error::unsupported(path, format!("a texture of {} texels", material.size), expected));
     }
-    let form = form(&mut material, options, &inputs.name);
-    if form == Form::Anisotropic {
+    if folded.form() == Form::Anisotropic {
         material.ensure_anisotropy_map();
     }
     // A model leaves no choice there.
@@ -152,20 +195,9 @@ pub fn fold_material(
     if foldable.wraps_differ && seen.iter().any(|seen| seen.size != material.size) {
         material.warnings.push("its sampler wraps u and v differently; maps are enlarged as if both were u".into());
     }
-    let mut slots = vec![Slot::Normal, Slot::Roughness];
-    slots.extend((form == Form::Anisotropic).then_some(Slot::Anisotropy));
-    let mut folded = FoldedMaterial {
-        size: material.size,
-        textures: Vec::new(),
-        slots,
-        gain: None,
-        keeps_factor: true,
-        keeps_strength: true,
-        notes: Vec::new(),
-        warnings: Vec::new(),
-    };
+    folded.size = Some(material.size);
     if !dry_run {
-        let options_here = Options { form, ..options.fold };
+        let options_here = Options { form: folded.form(), ..options.fold };
         let chain = fold_for(&material, &options_here, &[], &|share| done(0.5 * share));
         let gain = gain(&chain);
         if options.skip_if_below.is_some_and(|least| gain.roughness < least) {
@@ -177,20 +209,6 @@ pub fn fold_material(
     }
     (folded.notes, folded.warnings) = (material.notes, material.warnings);
     Ok(Ok(folded))
-}
-
-/// One width or two; two where the material brings anisotropy.
-fn form(material: &mut Material, options: &ModelOptions, name: &str) -> Form {
-    let anisotropic = crate::material::Texels::is_anisotropic(material);
-    let form = options.form.unwrap_or(if anisotropic && options.fold.fold.has_two_widths() {
-        Form::Anisotropic
-    } else {
-        Form::Isotropic
-    });
-    if anisotropic && form == Form::Isotropic {
-        material.warnings.push(format!("{name}: one width loses the anisotropy from level 1 on; see --lobes aniso"));
-    }
-    form
 }
 
 fn write_textures(
@@ -244,7 +262,7 @@ fn write_textures(
         let texture = if slot == Slot::Normal {
             texture_of(&rows, format, options.effort)
         } else {
-            encoded(&rows, format, options.effort, &change)
+            texture_changed(&rows, format, options.effort, &change)
         };
         let mut bytes = Vec::new();
         write_ktx2(&mut bytes, &texture, Some(options.effort)).expect("memory takes everything");
@@ -300,59 +318,42 @@ fn largest(rows: &Rows, channel: usize) -> f32 {
     (0..rows.levels()).map(of_level).fold(0.0, f32::max)
 }
 
-/// A level as floats, with a change of every texel.
-fn raster(rows: &Rows, level: usize, change: &(dyn Fn(&mut [f32]) + Sync)) -> Raster {
-    let (size, channels) = (rows.size(level), rows.channels(Encoding::Unsigned).len());
-    let mut samples = vec![0.0; size.texels() * channels];
-    samples.par_chunks_exact_mut(size.width * channels).enumerate().for_each(|(y, out)| {
-        let mut row = vec![0.0; size.width];
-        for channel in 0..channels {
-            rows.row(level, channel, Encoding::Unsigned, y, 0, &mut row);
-            out.iter_mut().skip(channel).step_by(channels).zip(&row).for_each(|(out, v)| *out = *v);
-        }
-        out.chunks_exact_mut(channels).for_each(change);
-    });
-    let samples = Array3::from_shape_vec((size.height, size.width, channels), samples).expect("every sample");
-    Raster::new(Samples::F32(samples))
-}
-
-fn encoded(rows: &Rows, format: TexelFormat, effort: Effort, change: &(dyn Fn(&mut [f32]) + Sync)) -> Texture {
-    let levels = (0..rows.levels()).map(|level| encode(&raster(rows, level, change), format, effort));
-    Texture { size: rows.size(0), format, levels: levels.collect() }
-}
-
 /// What level 0 has become, channel by channel.
-fn proofs(rows: &Rows, sheet: &Sheet, seen: &[Seen], change: &(dyn Fn(&mut [f32]) + Sync)) -> Vec<Proof> {
-    let mut out = Vec::new();
-    let level_0 = raster(rows, 0, change);
-    for (i, (_, source)) in sheet.channels.iter().enumerate() {
-        let Source::Channel { map, channel, .. } = *source else { continue };
-        let crate::material::Origin::File { path, .. } = &rows.material.maps[map].origin else { continue };
-        let Some(seen) = seen.iter().find(|seen| seen.path == *path) else { continue };
-        let Samples::F32(samples) = &level_0.samples else { continue };
-        let after = digest(level_0.size(), seen.bits, |y, row| {
-            let plane = samples.index_axis(Axis(2), i);
-            row.iter_mut().zip(plane.row(y)).for_each(|(out, v)| *out = *v);
+fn proofs(rows: &Rows, sheet: &Sheet, seen: &[Seen], change: ChangeTexel) -> Vec<Proof> {
+    let channels = sheet.channels.len();
+    let proof = |(i, (_, source)): (usize, &(String, Source))| {
+        let Source::Channel { map, channel, .. } = *source else { return None };
+        let crate::material::Origin::File { path, .. } = &rows.material.maps[map].origin else { return None };
+        let seen = seen.iter().find(|seen| seen.path == *path)?;
+        let size = rows.size(0);
+        let after = digest(size, seen.bits, |y, out| {
+            let read = |_, channel: usize, row: &mut [f32]| rows.row(0, channel, Encoding::Unsigned, y, 0, row);
+            let mut texels = from_rows(Size::new(size.width, 1), channels, read);
+            for (out, texel) in out.iter_mut().zip(texels.as_slice_mut().expect("just made").chunks_exact_mut(channels))
+            {
+                change(texel);
+                *out = texel[i];
+            }
         });
         let before = seen.channels[channel].clone();
-        out.push(Proof { channel: ['r', 'g', 'b'][i], identical: before == after, before, after });
-    }
-    out
+        Some(Proof { channel: ['r', 'g', 'b'][i], identical: before == after, before, after })
+    };
+    sheet.channels.iter().enumerate().filter_map(proof).collect()
 }
 
-/// SHA-256 of the samples of a channel, little-endian.
+/// SHA-256 of the samples of a channel, little-endian; `read` gives its rows.
 fn digest(size: Size, bits: u8, mut read: impl FnMut(usize, &mut [f32])) -> String {
     let mut hash = Sha256::new();
-    let mut row = vec![0.0; size.width];
+    let (mut row, mut bytes) = (vec![0.0; size.width], Vec::new());
     for y in 0..size.height {
         read(y, &mut row);
-        for v in &row {
-            match bits {
-                8 => hash.update([(v * 255.0).round() as u8]),
-                16 => hash.update(((v * 65535.0).round() as u16).to_le_bytes()),
-                _ => hash.update(v.to_le_bytes()),
-            }
+        bytes.clear();
+        match bits {
+            8 => bytes.extend(row.iter().map(|v| (v * 255.0).round() as u8)),
+            16 => bytes.extend(row.iter().flat_map(|v| ((v * 65535.0).round() as u16).to_le_bytes())),
+            _ => bytes.extend(row.iter().flat_map(|v| v.to_le_bytes())),
         }
+        hash.update(&bytes);
     }
-    super::hexadecimal(&hash.finalize())
+    format!("{:x}", hash.finalize())
 }

@@ -55,6 +55,12 @@ impl ModelFiles {
         }
         self.apart(output)?;
         let earlier = earlier(output);
+        let main = output.file_name().unwrap_or_default().to_string_lossy();
+        if let Some(other) = earlier.first().filter(|other| !force && !other.eq_ignore_ascii_case(&main)) {
+            let found = format!("what goes with {other}, whose name differs in its ending alone");
+            let expected = format!("another name than {main}, or --force to replace it");
+            return Err(Error::invalid(&folder.join(sidecar_name(output)), found, expected));
+        }
         let inputs: Vec<&Path> = self.inputs.iter().map(PathBuf::as_path).chain([input]).collect();
         for name in self.names(output) {
             let path = folder.join(&name);

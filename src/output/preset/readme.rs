@@ -55,16 +55,10 @@ impl Files {
 
 /// Numbered steps, code below them; without the lines that name a file that is not there.
 pub fn steps(load: &str, normal: Option<&Files>, packed: Option<&Files>, wrap: Wrap) -> String {
-    // As maketx calls it.
-    let wrap = match wrap {
-        Wrap::Repeat => "periodic",
-        Wrap::Mirror => "mirror",
-        Wrap::Clamp => "clamp",
-    };
     let mut lines = Vec::new();
     let mut number = 0;
     'lines: for line in load.lines() {
-        let mut line = line.replace("{wrap}", wrap);
+        let mut line = line.replace("{wrap}", wrap.oiio());
         for (word, files) in [("normal", normal), ("packed", packed)] {
             if !line.contains(&format!("{{{word}")) {
                 continue;

@@ -6,8 +6,6 @@
 //! Chromium or Chrome to use, by default `chromium`.
 
 use std::fs;
-use std::path::Path;
-use std::process::Command;
 
 use glam::DVec3;
 use mipfold_gpu_tests::case::SplitMix;
@@ -16,9 +14,11 @@ use mipfold_gpu_tests::source::{bundle, kernels};
 use mipfold_gpu_tests::translate::Language;
 use mipfold_gpu_tests::twins::geometric_aa::{MOST_ADDED, SIGMA2_PEAK, aa_2021_normals};
 
-#[path = "engines/site.rs"]
-mod site;
-use site::{Driven, Site, open};
+#[path = "../../common/browser.rs"]
+mod browser;
+#[path = "engines/files.rs"]
+mod files;
+use browser::{Seen, Site, below, chromium, three};
 
 fn snippet(path: &str) -> String {
     let path = kernels().with_file_name("examples").join("engines").join(path);
@@ -346,15 +346,13 @@ fn bevys_material_is_rust() {
 
 #[test]
 fn three_draws_nearer_to_the_truth() {
-    let Some(three) = std::env::var_os("MIPFOLD_THREE") else { return skipped("MIPFOLD_THREE is not set") };
-    let three = Path::new(&three).to_path_buf();
-    assert!(three.join("build/three.module.js").is_file(), "{}: no build/three.module.js", three.display());
-    let chromium = std::env::var("MIPFOLD_CHROMIUM").unwrap_or_else(|_| "chromium".into());
-    if !Command::new(&chromium).arg("--version").output().is_ok_and(|run| run.status.success()) {
-        return skipped(&format!("{chromium} does not run (MIPFOLD_CHROMIUM)"));
-    }
-    let (address, site) = Site::serve(three);
-    let Driven { found, console } = open(&chromium, &address, &site);
+    let (three, chromium) = match (three(), chromium()) {
+        (Ok(three), Ok(chromium)) => (three, chromium),
+        (Err(why), _) | (_, Err(why)) => return skipped(&why),
+    };
+    let files = files::all();
+    let site = Site::new(move |path| files.get(path).cloned().or_else(|| below(&three, "/three/", path)));
+    let Seen { found, console } = site.open(&chromium, "");
     assert!(console.is_empty(), "{console:#?}");
     assert!(found.contains_key("no map"), "the page does not come to its end: {found:#?}");
 
@@ -384,6 +382,6 @@ fn three_draws_nearer_to_the_truth() {
     assert!(found["no map"].contains("no PNG with role 'height'"), "{}", found["no map"]);
 
     // The console is listened to: a helper that is not there is heard.
-    let wrong = open(&chromium, &format!("{address}/?wrong"), &site);
+    let wrong = site.open(&chromium, "?wrong");
     assert!(wrong.console.iter().any(|line| line.contains("Shader Error")), "{:#?}", wrong.console);
 }

@@ -224,7 +224,8 @@ fn lobes_files_of_mixtures_that_are_none_are_refused() {
     let write = |names: &[String], values: &(dyn Fn(usize, usize) -> f32 + Sync)| {
         let channels: Vec<_> = names.iter().map(|name| Channel { name: name.clone(), depth: Depth::Float }).collect();
         let file = fs::File::create(&path).unwrap();
-        write_exr(file, &channels, Size::new(2, 2), &|level, c, _, _, out| out.fill(values(level, c))).unwrap();
+        write_exr(file, &channels, Size::new(2, 2), Wrap::Repeat, &|level, c, _, _, out| out.fill(values(level, c)))
+            .unwrap();
         read_lobes(&path)
     };
     let names = lobe_channels(2);

@@ -1,20 +1,8 @@
-<!DOCTYPE html>
-<!-- A material far away in slow motion, drawn by three.js with one sample a pixel: with the mips of each folder that is
-     named behind the question mark, and the truth, which has many samples of level 0 a pixel. -->
-<html lang="en">
-<head>
-<meta charset="utf-8">
-<title>A material far away in three.js</title>
-<link rel="icon" href="data:,">
-<script type="importmap">
-{ "imports": { "three": "/three/build/three.module.js", "three/addons/": "/three/examples/jsm/" } }
-</script>
-</head>
-<body>
-<script type="module">
+// A material far away in slow motion, drawn with one sample a pixel: with the mips of each folder that is named, and the
+// truth, which has many samples of level 0 a pixel.
+
 import * as THREE from 'three';
-import { KTX2Loader } from 'three/addons/loaders/KTX2Loader.js';
-import { drawn, ended, say, strip, words } from '/page.js';
+import { difference, ktx2, lit, mean, radiance, renderer, say, strip, words } from '/page.js';
 
 const WIDTH = 64, HEIGHT = 48; // pixels
 const FINER = 8; // of the truth, along each axis
@@ -23,9 +11,7 @@ const TILES = 2; // across what is seen
 const PEAK = 0.001; // share of the brightest pixels
 
 const [normal, packed, ...folders] = words;
-const renderer = new THREE.WebGLRenderer();
-const loader = new KTX2Loader().setTranscoderPath('/three/examples/jsm/libs/basis/').setWorkerLimit(1);
-loader.detectSupport(renderer);
+const loader = ktx2(renderer);
 
 async function map(file, filter) {
   const texture = await loader.loadAsync(`/files/${file}`);
@@ -47,32 +33,17 @@ const plane = new THREE.PlaneGeometry(4, 4);
 plane.attributes.uv.array.forEach((v, i, uv) => (uv[i] = 2 * TILES * v));
 const mesh = new THREE.Mesh(plane);
 mesh.rotation.x = -0.5;
-const scene = new THREE.Scene().add(mesh);
-for (const place of [[0.3, 1.6, 2], [-1, 0.5, 1.2]]) {
-  const light = new THREE.DirectionalLight(0xffffff, 2);
-  light.position.set(...place);
-  scene.add(light);
-}
+const scene = lit([mesh]);
 
-// Radiance of a frame, from below: each pixel the mean of finer * finer samples.
 function picture(material, frame, finer) {
   // Third of a pixel a frame, and away by half a percent.
   const camera = new THREE.PerspectiveCamera(20, WIDTH / HEIGHT, 0.1, 100);
   camera.position.set((0.35 * 2 * frame) / WIDTH, 0.1, 4.2 * 1.005 ** frame);
   mesh.material = material;
-  const [width, height] = [WIDTH * finer, HEIGHT * finer];
-  const texels = drawn(renderer, scene, camera, width, height, THREE.FloatType);
-  const mean = new Float64Array(WIDTH * HEIGHT);
-  for (let y = 0; y < height; y++) {
-    for (let x = 0; x < width; x++) {
-      mean[Math.floor(y / finer) * WIDTH + Math.floor(x / finer)] += texels[4 * (y * width + x) + 1] / (finer * finer);
-    }
-  }
-  return mean;
+  return radiance(scene, camera, WIDTH, HEIGHT, finer);
 }
 
 const frames = (material, finer) => [...Array(FRAMES).keys()].map((frame) => picture(material, frame, finer));
-const mean = (values) => values.reduce((a, b) => a + b, 0) / values.length;
 function peak(frames) {
   const sorted = frames.flatMap((frame) => [...frame]).sort((a, b) => b - a);
   return mean(sorted.slice(0, Math.round(PEAK * sorted.length)));
@@ -89,7 +60,6 @@ show('truth', truth[0]);
 say('truth', [light, peak(truth), moved(trueChanges) / light].map((v) => v.toPrecision(3)).join(' '));
 for (const folder of folders) {
   const ours = frames(await material(folder, THREE.LinearMipmapLinearFilter), 1);
-  const error = ours.map((frame, t) => mean(frame.map((v, i) => (v - truth[t][i]) ** 2)));
   const wrong = changes(ours).map((change, t) => change.map((v, i) => v - trueChanges[t][i]));
   show(folder, ours[0]);
   show(`${folder}: flicker`, wrong[0].map(Math.abs));
@@ -97,12 +67,8 @@ for (const folder of folders) {
     moved(wrong) / light,
     moved(changes(ours)) / moved(trueChanges),
     peak(ours) / peak(truth),
-    Math.sqrt(mean(error)) / light,
+    difference(ours, truth) / light,
     mean(ours.map(mean)) / light,
   ].map((v) => v.toPrecision(3)).join(' '));
 }
 say('picture', strip(shown, WIDTH, HEIGHT, 6));
-await ended();
-</script>
-</body>
-</html>

@@ -1,31 +1,15 @@
-<!DOCTYPE html>
-<!-- Loads KTX 2 and DDS files, named behind the question mark, with three.js, and reads every level back in a shader.
-     Behind 'plain:' a file is loaded as if the hardware had no compressed formats. -->
-<html lang="en">
-<head>
-<meta charset="utf-8">
-<title>Textures in three.js</title>
-<link rel="icon" href="data:,">
-<script type="importmap">
-{ "imports": { "three": "/three/build/three.module.js", "three/addons/": "/three/examples/jsm/" } }
-</script>
-</head>
-<body>
-<script type="module">
+// Loads KTX 2 and DDS files with three.js, and reads every level back in a shader. Behind 'plain:' a file is loaded as
+// if the hardware had no compressed formats.
+
 import * as THREE from 'three';
 import { DDSLoader } from 'three/addons/loaders/DDSLoader.js';
-import { KTX2Loader } from 'three/addons/loaders/KTX2Loader.js';
-import { base64, ended, level, say, words } from '/page.js';
+import { base64, ktx2, level, renderer, say, words } from '/page.js';
 
-const renderer = new THREE.WebGLRenderer();
-const nothing = { extensions: { has: () => false, get: () => null } };
 const loaders = {
   dds: () => new DDSLoader(),
   ktx2: () => ktx2(renderer),
-  plain: () => ktx2(nothing),
+  plain: () => ktx2({ extensions: { has: () => false, get: () => null } }),
 };
-const ktx2 = (renderer) =>
-  new KTX2Loader().setTranscoderPath('/three/examples/jsm/libs/basis/').setWorkerLimit(1).detectSupport(renderer);
 let kind, loader;
 const formats = Object.fromEntries(Object.entries(THREE).filter(([k]) => k.endsWith('Format')).map(([k, v]) => [v, k]));
 
@@ -45,12 +29,7 @@ for (const file of words) {
   say(`${file} linear`, texture.colorSpace === THREE.NoColorSpace);
   say(`${file} sizes`, texture.mipmaps.map((mip) => `${mip.width}x${mip.height}`).join(' '));
   texture.mipmaps.forEach((mip, number) => {
-    const texels = level(renderer, texture, number, mip.width, mip.height);
-    say(`${file} ${number}`, base64(texels));
+    say(`${file} ${number}`, base64(level(texture, number, mip.width, mip.height)));
   });
   texture.dispose();
 }
-await ended();
-</script>
-</body>
-</html>
