@@ -49,8 +49,10 @@ const ABSENT: f32 = 1e-6;
 /// Share of a footprint that one lobe covers, below which it has parts that lie apart. On real maps 0.6 and 0.75 did as well.
 const APART: f32 = 0.7;
 
-/// Share that another lobe must cover where widths are alike: no other part could take its place, so that between two equal
-/// ones neither rounding nor a neighbour decides.
+/// Share that the most typical texel's lobe must cover to be the one: no other part could take its place, so that between equal
+/// ones neither rounding nor a neighbour decides. Without such a part the lobe is that which began at the mean, by which
+/// neighbours are cut alike. Overlaps with what was merged tell too little to choose by less: on bumps alike on all sides, a
+/// side that covered less was less likely than that lobe in 31 of 33 cases, and its lobe error 6 % larger in the mean.
 const MAJORITY: f32 = 0.55;
 
 /// How much more another lobe must cover than the first.
@@ -199,7 +201,7 @@ impl<S: Simd> Doubts<S> {
 /// The lobe to take, given the one near the closest.
 ///
 /// Parts that lie apart, or smooth and rough texels together, leave some to choose from, about all, about the smooth ones and
-/// about the texel that is most typical: of these it is the one that covers most.
+/// about the texel that is most typical: of these it is the one that covers most, the last only if that is a majority.
 #[inline(always)]
 fn settled<S: Simd>(atoms: &[Atom<S>], form: Form, up: Lanes<S>, mut first: Estimate<S>) -> Estimate<S> {
     let (zero, none) = (up.like(0.0), up.like(f32::INFINITY));
@@ -208,8 +210,7 @@ fn settled<S: Simd>(atoms: &[Atom<S>], form: Form, up: Lanes<S>, mut first: Esti
         return first;
     }
     // Footprints without doubts keep their first.
-    let majority = own.above(MAJORITY * all, own, MAJORITY * all);
-    let mut most = unlike.above(zero, own, apart.above(zero, majority, none));
+    let mut most = (unlike + apart).above(zero, own, none);
     if unlike.any_above(zero) {
         let mut smoother = start(
             atoms,
@@ -234,6 +235,8 @@ fn settled<S: Simd>(atoms: &[Atom<S>], form: Form, up: Lanes<S>, mut first: Esti
     for _ in 0..2 * STEPS {
         step::<S, true>(atoms, form, up, &mut typical);
     }
+    let majority = MAJORITY * all;
+    most = most.above(majority, most, majority);
     typical.replace_if_better(atoms, MORE, &mut first, &mut most);
     first
 }
