@@ -65,7 +65,10 @@ fn hold(python: &Path, args: &[&std::ffi::OsStr], size: Size, files: &[&str]) {
         let halvings: Vec<_> = (0..size.level_count()).map(|k| size.level(k)).collect();
         assert_eq!(foreign.sizes, halvings, "{name}");
         assert_eq!(foreign.about["tiled"], true, "{name}");
-        let mode = if args.contains(&"clamp".as_ref()) { "clamp" } else { "periodic" };
+        let mode = match manifest["wrap"].as_str() {
+            Some("repeat") => "periodic",
+            other => other.unwrap(),
+        };
         assert_eq!(foreign.about["wrapmodes"], format!("{mode},{mode}"), "{name}");
         let encoding = if map["encoding"] == "float16" { "half" } else { "float" };
         assert!(strings(&foreign.about["types"]).iter().all(|t| t == encoding), "{name}: {}", foreign.about["types"]);

@@ -102,7 +102,7 @@ pub fn look(input: &Path, outputs: Option<&Path>) -> Result<Found> {
     let extension = input.extension().unwrap_or_default().to_string_lossy().to_lowercase();
     if input.is_file() {
         let hint = if extension == "glb" || extension == "gltf" {
-            "a folder of texture files; for models see mipfold bake-curvature"
+            "a folder of texture files; build, audit and bake-curvature take models"
         } else {
             "a folder; single maps are given with --normal and --roughness"
         };

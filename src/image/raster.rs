@@ -95,13 +95,13 @@ impl Raster {
     }
 }
 
-/// Samples in floats, axes (row, column, channel): `read` gives the rows of each channel, by row and channel.
+/// Samples in floats, axes (row, column, channel): `read(channel, y, row)` fills row `y` of a channel.
 pub fn from_rows(size: Size, channels: usize, read: impl Fn(usize, usize, &mut [f32])) -> Array3<f32> {
     let mut samples = Array3::zeros((size.height, size.width, channels));
     let mut row = vec![0.0; size.width];
     for (y, mut texels) in samples.outer_iter_mut().enumerate() {
         for channel in 0..channels {
-            read(y, channel, &mut row);
+            read(channel, y, &mut row);
             texels.column_mut(channel).iter_mut().zip(&row).for_each(|(out, v)| *out = *v);
         }
     }
@@ -168,7 +168,7 @@ mod tests {
         let mut out = [0.0; 2];
         raster.read(1, 1, 1, &mut out);
         assert_eq!(out, [111.0 / 255.0, 121.0 / 255.0]);
-        let all = from_rows(raster.size(), 2, |y, channel, row| raster.read(channel, y, 0, row));
+        let all = from_rows(raster.size(), 2, |channel, y, row| raster.read(channel, y, 0, row));
         assert!(all.indexed_iter().all(|((y, x, c), v)| *v == raster.at(x, y, c)));
     }
 

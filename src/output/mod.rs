@@ -28,6 +28,6 @@ pub use sheet::{Sheet, Source};
 use stage::stale;
 pub use stage::{FolderLock, Stage, may_build, may_write};
 pub use texels::{read_texels, write_texels};
-pub use texture::{ChangeTexel, texel_format, texture_changed, texture_of};
+pub use texture::{ChangeTexel, texel_format, texture_of};
 pub use vertices::{vertices_name, write_vertices};
 pub use write::{write, write_with};

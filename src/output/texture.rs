@@ -41,27 +41,21 @@ pub fn stored_channels(rows: &Rows, compress: Compress, two_channel_normals: boo
     if normal && two_channel_normals && compress == Compress::Bc { 2 } else { channels.len() }
 }
 
-/// All levels of a map. Block formats are encoded from floats, not from what an 8-bit picture would hold; in two-channel
-/// ones no decoded normal reaches the unit circle, so that shaders find a z.
-pub fn texture_of(rows: &Rows, format: TexelFormat, effort: Effort) -> Texture {
+/// What is done to the channels of a texel.
+pub type ChangeTexel<'a> = &'a (dyn Fn(&mut [f32]) + Sync);
+
+/// All levels of a map, each texel changed before if it is to be. Block formats, and what is changed, are encoded from
+/// floats, not from what an 8-bit picture would hold; in two-channel ones no decoded normal reaches the unit circle, so that
+/// shaders find a z.
+pub fn texture_of(rows: &Rows, format: TexelFormat, effort: Effort, change: Option<ChangeTexel>) -> Texture {
     let channels = rows.texture_channels();
-    let level = |k: usize| match format.block_side() {
+    let level = |k: usize| match (format.block_side(), change) {
         // As in the PNGs, weights of lobes and all.
-        1 => encode(&rows.raster(k), format, effort),
-        _ => bands(rows, k, &channels, format, effort, &|_| {}),
+        (1, None) => encode(&rows.raster(k), format, effort),
+        _ => bands(rows, k, &channels, format, effort, change),
     };
     Texture { size: rows.size(0), format, levels: (0..rows.levels()).map(level).collect() }
 }
-
-/// The same from floats in every format, each texel changed before.
-pub fn texture_changed(rows: &Rows, format: TexelFormat, effort: Effort, change: ChangeTexel) -> Texture {
-    let channels = rows.texture_channels();
-    let level = |k: usize| bands(rows, k, &channels, format, effort, change);
-    Texture { size: rows.size(0), format, levels: (0..rows.levels()).map(level).collect() }
-}
-
-/// What is done to the channels of a texel.
-pub type ChangeTexel<'a> = &'a (dyn Fn(&mut [f32]) + Sync);
 
 /// A level, by names and roles of the map's channels.
 fn bands(
@@ -70,7 +64,7 @@ fn bands(
     all: &[(String, String)],
     format: TexelFormat,
     effort: Effort,
-    change: ChangeTexel,
+    change: Option<ChangeTexel>,
 ) -> Vec<u8> {
     let size = rows.size(level);
     let normal = format == TexelFormat::Bc5 && rows.normal_xy() == Some((0, 1));
@@ -78,11 +72,12 @@ fn bands(
     let channels = if with_z { 3 } else { all.len().min(format.channels()) };
     let band = |first: usize| {
         let band = Size::new(size.width, BAND.min(size.height - first));
-        let mut values = from_rows(band, channels, |y, channel, row| {
+        let mut values = from_rows(band, channels, |channel, y, row| {
             rows.row(level, channel, Encoding::Unsigned, first + y, 0, row);
         });
-        for mut texel in values.lanes_mut(Axis(2)) {
-            change(texel.as_slice_mut().expect("channels lie together"));
+        if let Some(change) = change {
+            let texels = values.lanes_mut(Axis(2)).into_iter();
+            texels.for_each(|mut texel| change(texel.as_slice_mut().expect("channels lie together")));
         }
         if with_z {
             unit(&mut values);
@@ -112,23 +107,35 @@ fn unit(values: &mut Array3<f32>) {
 /// The longest xy of a decoded normal: hardware may decode a few 16-bit steps apart from us.
 const LONGEST: f32 = 0.999;
 
-/// Encodes the blocks again of which a normal decodes to more than [`LONGEST`], with such normals shorter, until none does.
+/// Encodes the blocks again of which a normal decodes to more than [`LONGEST`], with such normals shorter by a fortieth each
+/// time, until none does: the middle of the disk at the latest.
 fn pull_in(raster: &Raster, bytes: &mut [u8], effort: Effort) {
     let (format, Size { width, height }) = (TexelFormat::Bc5, raster.size());
     let (side, block_bytes) = (format.block_side(), format.block_bytes());
     let decoded = decode(bytes, raster.size(), format);
-    let Samples::F32(values) = &raster.samples else { return };
     for (place, block) in bytes.chunks_exact_mut(block_bytes).enumerate() {
         let (x, y) = (place % width.div_ceil(side) * side, place / width.div_ceil(side) * side);
-        let (right, below) = ((x + side).min(width), (y + side).min(height));
-        if !(y..below).any(|y| (x..right).any(|x| too_long(&decoded, x, y))) {
+        let size = Size::new(side.min(width - x), side.min(height - y));
+        let texels = || (0..size.height).flat_map(|j| (0..size.width).map(move |i| (i, j)));
+        if !texels().any(|(i, j)| too_long(&decoded, x + i, y + j)) {
             continue;
         }
-        let part = Array3::from_shape_fn((below - y, right - x, values.dim().2), |(j, i, c)| values[(y + j, x + i, c)]);
-        let mut part = Raster::new(Samples::F32(part));
-        let size = part.size();
-        while shorten(&mut part, &decode(block, size, format)) {
-            block.copy_from_slice(&encode(&part, format, effort));
+        let mut part = Array3::from_shape_fn((size.height, size.width, 2), |(j, i, c)| raster.at(x + i, y + j, c));
+        loop {
+            let decoded = decode(block, size, format);
+            let mut ended = true;
+            for (i, j) in texels().filter(|(i, j)| too_long(&decoded, *i, *j)) {
+                ended = false;
+                for v in [0, 1].map(|c| (j, i, c)) {
+                    // (What is not a number would stay so for ever.)
+                    let inside = if part[v].is_nan() { 0.5 } else { part[v].clamp(0.0, 1.0) };
+                    part[v] = 0.5 + 0.975 * (inside - 0.5);
+                }
+            }
+            if ended {
+                break;
+            }
+            block.copy_from_slice(&encode(&Raster::new(Samples::F32(part.clone())), format, effort));
         }
     }
 }
@@ -136,17 +143,4 @@ fn pull_in(raster: &Raster, bytes: &mut [u8], effort: Effort) {
 fn too_long(decoded: &Raster, x: usize, y: usize) -> bool {
     let [nx, ny] = [0, 1].map(|c| 2.0 * decoded.at(x, y, c) - 1.0);
     nx * nx + ny * ny > LONGEST * LONGEST
-}
-
-/// Shortens the normals that are too long where they are decoded; whether there were any. Each time by a fortieth, so that
-/// it ends.
-fn shorten(raster: &mut Raster, decoded: &Raster) -> bool {
-    let Size { width, height } = raster.size();
-    let Samples::F32(values) = &mut raster.samples else { return false };
-    let mut found = false;
-    for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).filter(|(x, y)| too_long(decoded, *x, *y)) {
-        found = true;
-        [0, 1].into_iter().for_each(|c| values[(y, x, c)] = 0.5 + 0.975 * (values[(y, x, c)] - 0.5));
-    }
-    found
 }

@@ -71,7 +71,7 @@ pub fn write_with(
             Content::Levels { layer, format } => {
                 let rows = rows(layer);
                 let texels = request.texels(&rows, format);
-                let texture = texture_of(&rows, texels, request.effort);
+                let texture = texture_of(&rows, texels, request.effort, None);
                 match format {
                     Format::Ktx2 => write_ktx2(out, &texture, Some(request.effort)),
                     _ if request.dds9 => write_dds9(out, &texture),

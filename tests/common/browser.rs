@@ -1,4 +1,4 @@
-//! A web site on this machine, and a browser with software WebGL that opens its pages.
+//! A local web site, and a browser with software WebGL that opens its pages.
 
 use std::collections::BTreeMap;
 use std::io::{self, BufRead, BufReader, Read, Write};
@@ -10,14 +10,14 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// How long a page may take, on a busy machine too.
+/// How long a page may take.
 const PATIENCE: Duration = Duration::from_secs(600);
 /// How long the console may lag behind.
 const LAG: Duration = Duration::from_secs(10);
 /// What a page says on the console when it is done.
 const ENDED: &str = "this page has ended";
 
-/// One browser at a time: each draws with every core there is.
+/// One browser at a time in a test's program: each draws with every core there is.
 static ALONE: Mutex<()> = Mutex::new(());
 
 /// `MIPFOLD_CHROMIUM`, by default `chromium`; or why there is none.
@@ -33,7 +33,9 @@ pub fn chromium() -> Result<String, String> {
 /// The folder of the npm package three, `MIPFOLD_THREE`; or why there is none.
 pub fn three() -> Result<PathBuf, String> {
     let folder = PathBuf::from(std::env::var_os("MIPFOLD_THREE").ok_or("MIPFOLD_THREE is not set")?);
-    assert!(folder.join("build/three.module.js").is_file(), "{}: no build/three.module.js", folder.display());
+    for file in ["build/three.module.js", "examples/jsm/loaders/GLTFLoader.js", "examples/jsm/loaders/KTX2Loader.js"] {
+        assert!(folder.join(file).is_file(), "{}: no {file}", folder.display());
+    }
     Ok(folder)
 }
 
@@ -50,7 +52,7 @@ pub struct Seen {
     pub console: Vec<String>,
 }
 
-/// Answers at a port of this machine, for as long as the tests run.
+/// Answers at a local port, for as long as the tests run.
 pub struct Site {
     address: String,
     /// What pages found: they post it to `/ended`, and say so on the console.
@@ -80,6 +82,8 @@ impl Site {
     /// needs it: pictures are loaded and decoded aside of it.
     pub fn open(&self, chromium: &str, page: &str) -> Seen {
         let alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
+        // A page that fails twice says so twice.
+        while self.ended.try_recv().is_ok() {}
         let folder = tempfile::tempdir().expect("a folder");
         let words = folder.path().join("words.txt");
         let mut run = Command::new(chromium)

@@ -7,7 +7,7 @@ import { difference, lit, mean, models, radiance, say, words } from '/page.js';
 const SIDE = 32; // pixels
 const FINER = 8; // of the truth, along each axis
 const FRAMES = 4;
-const LIGHTS = [[0.3, 0.6, 2], [-1, 0.5, 1.2]]; // the first near the mirror's direction
+const LIGHTS = [[0.3, 0.6, 2], [-1, 0.5, 1.2]]; // the first near the mirrored view
 
 function picture(model, frame, finer) {
   // The square of 0 to 1 fills the picture, but for a quarter of a pixel a frame.

@@ -4,22 +4,10 @@ import * as THREE from 'three';
 import { GLTFLoader } from 'three/addons/loaders/GLTFLoader.js';
 import { KTX2Loader } from 'three/addons/loaders/KTX2Loader.js';
 
-const lines = [];
+/* global lines: the page has them */
 
 // A line of what the page found.
 export const say = (name, value) => lines.push(`${name}=${value}`);
-
-// Sends what the page found, and lets the console's reader know that nothing follows.
-export async function ended() {
-  document.body.append(document.createElement('pre'));
-  document.body.lastChild.textContent = lines.filter((line) => line.length < 200).join('\n');
-  console.info('this page has ended');
-  await fetch('/ended', { method: 'POST', body: lines.join('\n') });
-}
-
-// An error is the end, too, and stands on the console.
-addEventListener('error', ended);
-addEventListener('unhandledrejection', ended);
 
 // The module that the address names, and the words for it.
 export const [name, ...words] = decodeURIComponent(location.search.slice(1)).split(',');

@@ -3,13 +3,11 @@
 //! The `ktx2` crate knows the header, the index and the data format descriptors; its reader is not used, for it panics on
 //! some damaged files. The bounds of everything are checked here first.
 
-use std::io::{self, Read, Write};
+use std::io::{self, Write};
 
 use ::ktx2::{ColorModel, Format, Header, Index, KeyValueDataIterator, LevelIndex, SupercompressionScheme};
 use miniz_oxide::inflate::decompress_to_vec_zlib_with_limit;
 use rayon::prelude::*;
-use rusty_zstd::{CompressOptions, compress_with};
-use ruzstd::decoding::StreamingDecoder;
 
 use super::layout::{Kind, Layout};
 use super::{Effort, TexelFormat, Texture};
@@ -18,6 +16,7 @@ use crate::error::Result;
 use crate::image::{Raster, Size};
 
 mod descriptor;
+mod zstd;
 
 const WRITER: &str = concat!("mipfold ", env!("CARGO_PKG_VERSION"));
 
@@ -39,8 +38,12 @@ const ZLIB_BOUND: u64 = 1032;
 /// they were made of.
 pub fn write_ktx2(mut out: impl Write, texture: &Texture, zstd: Option<Effort>) -> io::Result<()> {
     texture.check()?;
-    let packed = zstd.map(|effort| texture.levels.par_iter().map(|level| compress(level, effort)).collect());
-    let packed: Option<Vec<Vec<u8>>> = packed.transpose()?;
+    let pack = |effort| {
+        let levels = texture.levels.par_iter().enumerate();
+        let wrong = |k, why| io::Error::other(format!("Zstandard data of level {k}: {why}"));
+        levels.map(|(k, level)| zstd::pack(level, effort).map_err(|why| wrong(k, why))).collect::<io::Result<Vec<_>>>()
+    };
+    let packed = zstd.map(pack).transpose()?;
     let levels = packed.as_ref().unwrap_or(&texture.levels);
 
     let descriptor = descriptor::write(texture);
@@ -110,24 +113,6 @@ fn entry(key: &str, value: &str) -> Vec<u8> {
     let mut bytes = [&(length as u32).to_le_bytes(), key.as_bytes(), &[0], value.as_bytes(), &[0]].concat();
     bytes.resize(bytes.len().next_multiple_of(4), 0);
     bytes
-}
-
-/// A Zstandard frame that says how long its content is, for simple decoders allocate as much, and has its checksum.
-///
-/// Encoder and decoder are of different authors: what both agree on is no mistake of one.
-fn compress(level: &[u8], effort: Effort) -> io::Result<Vec<u8>> {
-    let number = match effort {
-        Effort::Fast => 6,
-        Effort::Slow => 18,
-    };
-    let frame = compress_with(level, CompressOptions { level: number, checksum: true }).map_err(io::Error::other)?;
-    let mut back = Vec::with_capacity(level.len());
-    StreamingDecoder::new(frame.as_slice()).map_err(io::Error::other)?.read_to_end(&mut back)?;
-    if back == level {
-        Ok(frame)
-    } else {
-        Err(io::Error::other("Zstandard data does not unpack to what it is made of"))
-    }
 }
 
 const SUPPORTED: &str = "one 2D picture of 8 or 16 bit, half or float, BC1, BC3, BC4, BC5, BC7 or UASTC, plain or with \
@@ -216,7 +201,10 @@ pub(in crate::codec) fn decode(source: &Source, count: usize) -> Result<(Vec<Ras
         let size = size.level(k);
         let unpacked = match packing {
             Packing::Plain => None,
-            Packing::Zstd => Some(unpack_zstd(source, k, data, layout.bytes(size))?),
+            Packing::Zstd => {
+                let unpacked = zstd::unpack(data, layout.bytes(size));
+                Some(unpacked.map_err(|why| source.broken(format!("Zstandard data of level {k}: {why}")))?)
+            }
             Packing::Zlib => Some(unpack_zlib(source, k, data, layout.bytes(size))?),
         };
         let data = unpacked.as_deref().unwrap_or(data);
@@ -304,27 +292,6 @@ fn levels<'a>(
         levels.push(data);
     }
     Ok(levels)
-}
-
-/// Several frames may follow each other.
-fn unpack_zstd(source: &Source, level: usize, mut data: &[u8], length: usize) -> Result<Vec<u8>> {
-    let fail = |why: &dyn std::fmt::Display| source.broken(format!("Zstandard data of level {level}: {why}"));
-    let mut unpacked = Vec::new();
-    unpacked.try_reserve_exact(length).map_err(|_| source.unsupported(format!("a level of {length} bytes"), "less"))?;
-    while unpacked.len() < length && !data.is_empty() {
-        let mut frame = StreamingDecoder::new(&mut data).map_err(|error| fail(&error))?;
-        // One byte more, to see whether there is more.
-        let most = (length - unpacked.len()) as u64 + 1;
-        let found = frame.by_ref().take(most).read_to_end(&mut unpacked).map_err(|error| fail(&error))?;
-        if found == 0 {
-            break;
-        }
-        let sum = frame.decoder.get_checksum_from_data();
-        if unpacked.len() <= length && sum.is_some() && sum != frame.decoder.get_calculated_checksum() {
-            return Err(fail(&"its checksum is not that of its content"));
-        }
-    }
-    if unpacked.len() == length { Ok(unpacked) } else { Err(fail(&format!("it does not unpack to {length} bytes"))) }
 }
 
 fn unpack_zlib(source: &Source, level: usize, data: &[u8], length: usize) -> Result<Vec<u8>> {

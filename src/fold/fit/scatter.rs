@@ -50,9 +50,9 @@ const ABSENT: f32 = 1e-6;
 const APART: f32 = 0.7;
 
 /// Share that the most typical texel's lobe must cover to be the one: no other part could take its place, so that between equal
-/// ones neither rounding nor a neighbour decides. Without such a part the lobe is that which began at the mean, by which
-/// neighbours are cut alike. Overlaps with what was merged tell too little to choose by less: of bumps alike on all sides they
-/// favour a side that is less likely than that lobe, and shades less like the footprint.
+/// ones neither rounding nor a neighbour decides. Without such a part the lobe stays that which began at the mean, or the one
+/// about the smooth texels, and neighbours are cut alike. Overlaps with what was merged tell too little to choose by less: of
+/// bumps alike on all sides they may favour a side by the roughness's phase.
 const MAJORITY: f32 = 0.55;
 
 /// How much more another lobe must cover than the first.

@@ -223,7 +223,7 @@ pub(crate) fn turn(texel: &mut [f32], radians: f32) {
 /// Changes every texel, in floats.
 fn edit(decoded: &mut Decoded, change: impl Fn(&mut [f32])) {
     let Raster { samples, channels } = &decoded.raster;
-    let read = |y: usize, channel: usize, row: &mut [f32]| decoded.raster.read(channel, y, 0, row);
+    let read = |channel: usize, y: usize, row: &mut [f32]| decoded.raster.read(channel, y, 0, row);
     let mut values = from_rows(decoded.raster.size(), samples.channels(), read);
     for mut texel in values.lanes_mut(Axis(2)) {
         change(texel.as_slice_mut().expect("channels lie together"));

@@ -16,7 +16,7 @@ use crate::material::{Encoding, Foldable, MapFile, Material, Role, load_with, tu
 use crate::ndf::Form;
 use crate::output::preset::Compress;
 use crate::output::sheet::{Sheet, Source};
-use crate::output::{ChangeTexel, Gain, Layer, Rows, fold_for, gain, texture_changed, texture_of};
+use crate::output::{ChangeTexel, Gain, Layer, Rows, fold_for, gain, texture_of};
 
 /// Which texture of a material.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize)]
@@ -259,11 +259,8 @@ fn write_textures(
             (Slot::Anisotropy, None) => folded.keeps_strength = false,
             (Slot::Normal, _) => {}
         }
-        let texture = if slot == Slot::Normal {
-            texture_of(&rows, format, options.effort)
-        } else {
-            texture_changed(&rows, format, options.effort, &change)
-        };
+        let changed: Option<ChangeTexel> = if slot == Slot::Normal { None } else { Some(&change) };
+        let texture = texture_of(&rows, format, options.effort, changed);
         let mut bytes = Vec::new();
         write_ktx2(&mut bytes, &texture, Some(options.effort)).expect("memory takes everything");
         let level_0 = proofs(&rows, &sheets[i], seen, &change);
@@ -327,7 +324,7 @@ fn proofs(rows: &Rows, sheet: &Sheet, seen: &[Seen], change: ChangeTexel) -> Vec
         let seen = seen.iter().find(|seen| seen.path == *path)?;
         let size = rows.size(0);
         let after = digest(size, seen.bits, |y, out| {
-            let read = |_, channel: usize, row: &mut [f32]| rows.row(0, channel, Encoding::Unsigned, y, 0, row);
+            let read = |channel: usize, _, row: &mut [f32]| rows.row(0, channel, Encoding::Unsigned, y, 0, row);
             let mut texels = from_rows(Size::new(size.width, 1), channels, read);
             for (out, texel) in out.iter_mut().zip(texels.as_slice_mut().expect("just made").chunks_exact_mut(channels))
             {

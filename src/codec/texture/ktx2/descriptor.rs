@@ -50,10 +50,11 @@ const RGB: u8 = 0;
 const RGBA: u8 = 3;
 const RRRG: u8 = 5;
 
-/// In a descriptor: the colour model, after its length and two words of a block's header; the transfer function; and
-/// the channel of the first sample.
+/// Where a descriptor has its colour model: after its length and two words of a block's header.
 const MODEL_AT: usize = 12;
+/// Where it has its transfer function.
 const TRANSFER_AT: usize = 14;
+/// Where it has the channel of its first sample.
 const CHANNEL_AT: usize = 31;
 
 /// The colour model that a descriptor tells, if it is long enough and the model known.

@@ -115,11 +115,35 @@ fn the_number_of_threads_changes_nothing() {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             pool.install(|| {
                 let texture = texture(size, format);
-                (ktx2_of(&texture, Some(Effort::Fast)), fits_dds(&texture).then(|| dds_of(&texture)))
+                (PACKINGS.map(|zstd| ktx2_of(&texture, zstd)), fits_dds(&texture).then(|| dds_of(&texture)))
             })
         };
         assert_eq!(on(1), on(3), "{format:?}");
     }
+}
+
+/// Of blocks that are alike here and there: packed, and harder if that may take time.
+#[test]
+fn slow_packing_is_smaller_than_fast_and_fast_than_none() {
+    for format in [TexelFormat::Bc5, TexelFormat::Bc7, TexelFormat::Uastc, TexelFormat::Rgba8] {
+        let texture = texture(Size::new(256, 256), format);
+        let [none, fast, slow] = PACKINGS.map(|zstd| ktx2_of(&texture, zstd).len());
+        assert!(slow < fast && fast < none, "{format:?}: {slow}, {fast}, {none}");
+    }
+}
+
+/// From 16 MiB on the encoder goes another way; and what it did before may not show.
+#[test]
+fn large_levels_are_packed_alike_whatever_was_packed_before() {
+    let level = |seed: u32| (0..1u32 << 24).map(|i| (i.wrapping_mul(seed) >> 13 ^ i / 77) as u8).collect();
+    let large = |seed| Texture { size: Size::new(4096, 4096), format: TexelFormat::R8, levels: vec![level(seed)] };
+    let [first, other] = [large(2_654_435_761), large(40_503)];
+    let packed = ktx2_of(&first, Some(Effort::Fast));
+    assert_ne!(packed, ktx2_of(&other, Some(Effort::Fast)));
+    assert_eq!(packed, ktx2_of(&first, Some(Effort::Fast)));
+    let read = read_bytes(Path::new("a.ktx2"), packed).unwrap().raster;
+    let Samples::U8(samples) = read.samples else { panic!("8 bit") };
+    assert_eq!(samples.as_slice().unwrap(), first.levels[0]);
 }
 
 #[test]
