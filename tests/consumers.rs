@@ -1,8 +1,9 @@
-//! What loads our files in earnest: three.js, in a browser with software WebGL.
+//! What loads our files in earnest: three.js and PlayCanvas, in a browser with software WebGL.
 //!
-//! Babylon.js is not run: its decoder of KTX 2 is in no npm package (9.35.0 loads it from its own servers).
+//! Babylon.js is not run: its decoder of KTX 2 is in no npm package (9.35.0 loads it from its own servers), and of plain DDS
+//! files it makes the levels anew.
 //!
-//! `MIPFOLD_THREE` is the folder of the npm package `three`, `MIPFOLD_CHROMIUM` the Chromium or Chrome to use, by default
+//! `MIPFOLD_THREE` is the folder of the npm package `three`, with `playcanvas` beside it, `MIPFOLD_CHROMIUM` the Chromium or Chrome to use, by default
 //! `chromium`.
 
 #![allow(clippy::print_stderr)]
@@ -13,7 +14,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use base64::prelude::{BASE64_STANDARD, Engine};
-use common::browser::{Seen, Site, below, chromium, three};
+use common::browser::{Seen, Site, below, beside_three, chromium, three};
 use common::desk::Desk;
 use common::model::Scene;
 use common::{bump, encode8, manifest, png8, strings};
@@ -23,13 +24,14 @@ use mipfold::sample::by_name;
 use serde_json::json;
 
 /// Runs a module of `tests/consumers` with words for it, while `/files/` is the desk. Nothing if there is no browser or
-/// no three.js.
+/// an engine is missing.
 fn open(module: &str, words: &[&str], desk: &Desk) -> Option<Seen> {
+    let there = |found: Result<_, String>| found.map_or_else(|why| common::skip(&why), Some);
+    let (three, playcanvas) = (there(three())?, there(beside_three("playcanvas"))?);
     let chromium = chromium().map_or_else(|why| common::skip(&why), Some)?;
-    let three = three().map_or_else(|why| common::skip(&why), Some)?;
     let files = desk.at("");
     let pages = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/consumers");
-    let folders = [("/three/", three), ("/files/", files), ("/", pages)];
+    let folders = [("/three/", three), ("/playcanvas/", playcanvas), ("/files/", files), ("/", pages)];
     let site = Site::new(move |path| folders.iter().find_map(|(prefix, folder)| below(folder, prefix, path)));
     Some(site.open(&chromium, &format!("page.html?{},{}", module, words.join(","))))
 }
@@ -117,6 +119,21 @@ fn three_shows_the_levels_of_our_textures() {
     // The page is listened to: a file that is not there is heard.
     let Seen { console, .. } = open("textures", &["nothing.ktx2"], &desk).unwrap();
     assert!(console.iter().any(|line| line.contains("404")), "{console:#?}");
+}
+
+/// UASTC becomes ASTC there, which holds it as it is.
+#[test]
+fn playcanvas_shows_the_levels_of_our_textures() {
+    let desk = Desk::empty();
+    let set = set(&desk, (100, 36));
+    let files = files(&desk.build("out", &format!("{set} --preset playcanvas")), "out");
+    assert_eq!(files.len(), 2);
+    let names: Vec<_> = files.iter().map(String::as_str).collect();
+    let Some(Seen { found, console }) = open("playcanvas", &names, &desk) else { return };
+    assert!(console.is_empty(), "{console:#?}");
+    for file in &files {
+        assert_eq!(checked(&desk, &found, file, ROUNDING), "ASTC_4x4", "{file}");
+    }
 }
 
 /// What `sparkle.js` measures of a chain, against the truth.

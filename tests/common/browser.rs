@@ -39,6 +39,12 @@ pub fn three() -> Result<PathBuf, String> {
     Ok(folder)
 }
 
+/// The folder of another npm package, beside three's; or why there is none.
+pub fn beside_three(package: &str) -> Result<PathBuf, String> {
+    let folder = three()?.with_file_name(package);
+    if folder.join("package.json").is_file() { Ok(folder) } else { Err(format!("no {package} beside MIPFOLD_THREE")) }
+}
+
 /// A file of a folder, by what stands behind `prefix` in the path of an address.
 pub fn below(folder: &Path, prefix: &str, path: &str) -> Option<Vec<u8>> {
     let file = Path::new(path.strip_prefix(prefix)?);
@@ -144,7 +150,7 @@ fn answer(mut stream: TcpStream, find: &Find, found: &Sender<String>) -> io::Res
     let status = if body.is_some() { "200 OK" } else { "404 Not Found" };
     let kind = match path.rsplit(['.', '/']).next() {
         Some("" | "html") => "text/html",
-        Some("js") => "text/javascript",
+        Some("js" | "mjs") => "text/javascript",
         Some("json") => "application/json",
         Some("png") => "image/png",
         Some("wasm") => "application/wasm",

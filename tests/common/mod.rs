@@ -6,7 +6,7 @@
 //! | `MIPFOLD_MESHES` | folder of real meshes; default `../shared/meshes` |
 //! | `MIPFOLD_PYTHON` | a Python that imports OpenImageIO, numpy and flip_evaluator; default `python3` |
 //! | `MIPFOLD_CHROMIUM` | a Chromium or Chrome; default `chromium` |
-//! | `MIPFOLD_THREE` | the folder of the npm package three, which `node` runs; no default |
+//! | `MIPFOLD_THREE` | the folder of the npm package three, playcanvas beside it; no default |
 //! | `MIPFOLD_VALIDATOR` | the folder of the npm package gltf-validator; default beside three |
 //! | `MIPFOLD_NO_SKIP` | if set, a test fails where it lacks one of these, and is not skipped |
 #![allow(dead_code, clippy::print_stderr)]

@@ -136,6 +136,11 @@ pub const BABYLON: Preset = Preset {
             checked: true,
         },
         Fact {
+            text: "Of DDS files it reads --dds9 alone, and makes the levels anew: what was folded is lost.",
+            source: "npm babylonjs 9.35.0, ddsTextureLoader; tried",
+            checked: true,
+        },
+        Fact {
             text: "PBRMaterial takes roughness from alpha until told to take it from green.",
             source: "Babylon.js documentation, Mastering PBR Materials",
             checked: true,
@@ -176,6 +181,11 @@ pub const PLAYCANVAS: Preset = Preset {
         Fact {
             text: "Of KTX 2 only ETC1S and UASTC are read: --compress bc and none are refused.",
             source: "playcanvas/engine, src/framework/parsers/texture/ktx2.js, commit 07c61ad9",
+            checked: true,
+        },
+        Fact {
+            text: "All levels of both maps are those of the files, in PlayCanvas 2.23.3.",
+            source: "mipfold's tests, tests/consumers.rs",
             checked: true,
         },
         Fact {
