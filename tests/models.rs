@@ -60,7 +60,7 @@ fn built(desk: &Desk, scene: &Scene, args: &str) -> Written {
     Written::read(&desk.at("out.glb"))
 }
 
-/// Materials by name, in what is written beside the model.
+/// What is written beside `@out.glb`.
 fn sidecar(desk: &Desk) -> Value {
     serde_json::from_slice(&std::fs::read(desk.at("out.mipfold.json")).unwrap()).unwrap()
 }

@@ -38,7 +38,7 @@ struct Material {
 
 pub fn run(args: &BuildArgs, said: &ArgMatches, global: &Global, report: &mut Report) -> Result<()> {
     if args.inputs.iter().any(|input| model::is_model(input)) {
-        return model::run(args, global, report);
+        return model::run(args, said, global, report);
     }
     // What is wrong by itself is said once, before anything is looked at.
     args.folding.options(args.moments)?;

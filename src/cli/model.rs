@@ -2,20 +2,38 @@
 
 use std::path::Path;
 
-use clap::Args;
+use clap::{ArgMatches, Args};
 use serde::Serialize;
 
 use super::args::{BuildArgs, Global};
 use super::build::side_by_side;
 use super::report::{Portion, Report};
+use super::vocabulary::Vocabulary;
 use crate::error::{Error, Result};
-use crate::material::{Fate, Foldable, Model, NormalRange, NormalY, NormalZ};
+use crate::material::{Fate, Foldable, Model};
 use crate::output::model::{
-    FoldedMaterial, Group, ImageAbout, ImageDigest, Left, ModelOptions, Proof, Rewritten, Slot, digests, fold_material,
-    rewrite,
+    FoldedMaterial, Group, ImageAbout, ImageDigest, Left, ModelOptions, Proof, Rewritten, Slot, check_headers, digests,
+    fold_material, rewrite,
 };
 use crate::output::preset::Compress;
 use crate::output::{Gain, SCHEMA};
+
+/// The options that hold for a model, which says itself how its textures are read, and whose new ones are KTX 2; all others
+/// are refused.
+const OPTIONS: [&str; 12] = [
+    "output",
+    "fold",
+    "lobes",
+    "strength",
+    "at_least_average",
+    "min_alpha",
+    "max_alpha",
+    "compress",
+    "effort",
+    "resize",
+    "fallback",
+    "skip_if_below",
+];
 
 #[derive(Args)]
 #[command(next_help_heading = "Models")]
@@ -56,6 +74,9 @@ struct TextureAbout<'a> {
     from: usize,
     /// In the file that was written.
     image: usize,
+    /// The picture there that readers without KTX 2 show, if it is new.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    picture: Option<usize>,
     #[serde(skip_serializing_if = "Option::is_none")]
     format: Option<&'static str>,
     /// Level 0 before and after, before it is compressed.
@@ -84,8 +105,7 @@ struct Document<'a> {
 
 /// Whether a path is that of a model.
 pub fn is_model(path: &Path) -> bool {
-    let ending = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
-    ["glb", "gltf"].contains(&ending.as_str()) && !path.is_dir()
+    is_named_as_model(path) && !path.is_dir()
 }
 
 /// A group and what was folded of it, or why it stays.
@@ -94,8 +114,8 @@ struct Done<'a> {
     result: std::result::Result<FoldedMaterial, Left>,
 }
 
-pub fn run(args: &BuildArgs, global: &Global, report: &mut Report) -> Result<()> {
-    let options = options(args)?;
+pub fn run(args: &BuildArgs, said: &ArgMatches, global: &Global, report: &mut Report) -> Result<()> {
+    let options = options(args, said)?;
     let (input, output) = (&args.inputs[0], &args.output);
     report.progress.set_message(format!("reading {}", input.display()));
     let Some(model) = Model::read(input)? else {
@@ -111,6 +131,7 @@ pub fn run(args: &BuildArgs, global: &Global, report: &mut Report) -> Result<()>
         foldables.iter().filter_map(|f| Some((*f, FoldedMaterial::planned(f, &options).ok()?))).collect();
     let planned: Vec<Group> = planned.iter().map(|(foldable, folded)| Group { foldable, folded }).collect();
     rewrite(&model, &planned, &options, to_binary, &stem)?.files.check(input, output, global.force)?;
+    planned.iter().try_for_each(|group| check_headers(group.foldable, &options))?;
     let work = |foldable: &&Foldable| {
         let portion = Portion::on(&report.progress);
         let result = fold_material(foldable, &options, global.dry_run, &|share| portion.show(share))?;
@@ -151,13 +172,12 @@ pub fn run(args: &BuildArgs, global: &Global, report: &mut Report) -> Result<()>
     }
     tell(report, global, output, &materials, &names, files.main.len());
     warnings.iter().for_each(|warning| report.warning(warning));
-    if options.compress != Compress::Uastc && !groups.is_empty() {
-        report.warning(
-            "textures that are not UASTC are no part of glTF: Bevy reads them, other loaders and validators do not know image/ktx2",
-        );
-    }
     report.document(json(&document(Some(global.dry_run))));
     Ok(())
+}
+
+fn is_named_as_model(path: &Path) -> bool {
+    ["glb", "gltf"].contains(&ending(path).as_str())
 }
 
 fn ending(path: &Path) -> String {
@@ -170,41 +190,23 @@ fn stem(output: &Path) -> String {
     stem.chars().map(|c| if c.is_ascii_alphanumeric() || "-_".contains(c) { c } else { '_' }).collect()
 }
 
-/// The options, none of which may be about texture sets.
-fn options(args: &BuildArgs) -> Result<ModelOptions> {
+/// The options, none of which may be another one than [`OPTIONS`].
+fn options(args: &BuildArgs, said: &ArgMatches) -> Result<ModelOptions> {
     let refuse = |option: &str, found: &str, expected: &str| Err(Error::invalid_option(option, found, expected));
     if args.inputs.len() > 1 {
         return refuse("build", &format!("{} inputs, models among them", args.inputs.len()), "one model at a time");
     }
-    if !["glb", "gltf"].contains(&ending(&args.output).as_str()) {
+    if !is_named_as_model(&args.output) {
         let found = args.output.display().to_string();
         return refuse("-o", &found, "the name of the new model, ending in .glb or .gltf");
     }
-    let (maps, reading, containers) = (&args.maps, &args.reading, &args.containers);
-    let given = [
-        ("--roughness", maps.roughness.is_some()),
-        ("--gloss", maps.gloss.is_some()),
-        ("--name", maps.name.is_some()),
-        ("--normal-y", reading.normal_y != NormalY::default()),
-        ("--normal-z", reading.normal_z != NormalZ::default()),
-        ("--normal-range", reading.normal_range != NormalRange::default()),
-        ("--normal-scale", reading.normal_scale != 1.0),
-        ("--height-scale", reading.height_scale.is_some()),
-        ("--wrap", reading.wrap.is_some()),
-    ];
-    if let Some((option, _)) = given.into_iter().find(|(_, given)| *given) {
-        return refuse(option, "a model", "no such option: a model says itself how its textures are read");
+    let option = |id: &str| format!("--{}", id.replace('_', "-"));
+    let given = Vocabulary::new(said).given;
+    if let Some(other) = given.iter().find(|word| !OPTIONS.contains(&word.id.as_str())) {
+        let expected = format!("the options of models: {}", OPTIONS.map(option).join(", "));
+        return refuse(&option(&other.id), "a model", &expected);
     }
-    let given = [
-        ("--format", !containers.format.is_empty()),
-        ("--float", containers.float),
-        ("--preset", containers.preset.is_some()),
-        ("--moments", args.moments),
-        ("--extra", !args.extra.is_empty()),
-    ];
-    if let Some((option, _)) = given.into_iter().find(|(_, given)| *given) {
-        return refuse(option, "a model", "no such option: its textures become KTX 2 (--compress, --effort, --resize)");
-    }
+    let containers = &args.containers;
     let fold = args.folding.options(false)?;
     if fold.lobes > 1 {
         return refuse("--lobes", &format!("{} lobes", fold.lobes), "iso or aniso: a glTF material has one lobe");
@@ -274,6 +276,7 @@ impl<'a> About<'a> {
                 slot: image.slot,
                 from: image.from,
                 image: image.image,
+                picture: image.picture,
                 format: texture.map(|texture| texture.format.name()),
                 level_0: texture.map_or(&[], |texture| &texture.level_0),
             }
@@ -320,5 +323,20 @@ fn tell(report: &Report, global: &Global, output: &Path, materials: &[About], na
     report.say(&format!("{verb} {}{size}, and {beside} beside it", output.display()));
     if global.dry_run {
         names.iter().for_each(|name| report.say(&format!("  {name}")));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cli::vocabulary::id;
+
+    #[test]
+    fn options_of_models_are_options() {
+        let command = BuildArgs::augment_args(clap::Command::new("build"));
+        for option in OPTIONS {
+            let arg = command.get_arguments().find(|arg| id(arg) == option);
+            assert!(arg.and_then(clap::Arg::get_long).is_some_and(|long| long == option.replace('_', "-")), "{option}");
+        }
     }
 }

@@ -1,8 +1,9 @@
 //! Numbers out of buffers (glTF 2.0, 3.6.2). Nothing is allocated before its bytes are known to be there.
 
-use std::path::Path;
+use std::borrow::Cow;
+use std::path::{Path, PathBuf};
 
-use super::container::Buffers;
+use super::container::{Buffers, beside, inline};
 use super::document::{Accessor, Document};
 use super::item;
 use crate::error::{Error, Result};
@@ -12,6 +13,14 @@ pub(crate) struct Reader<'a, 'f> {
     pub path: &'a Path,
     pub document: &'a Document,
     pub buffers: &'a Buffers<'f>,
+}
+
+/// Where the bytes of an image are.
+pub(crate) enum Stored<'a> {
+    /// In a buffer or in the JSON.
+    Inside(Cow<'a, [u8]>),
+    /// In a file beside the model.
+    File(PathBuf),
 }
 
 /// The elements of an accessor, N numbers each, `stride` bytes apart: known to be there, and not yet copied.
@@ -119,6 +128,20 @@ impl<'a> Reader<'a, '_> {
         })?;
         let (stride, count) = (stride as usize, a.count as usize);
         Ok(Elements { bytes, stride, count, component, normalized: a.normalized })
+    }
+
+    /// The bytes of an image, or the file that has them.
+    pub fn image(&self, index: usize) -> Result<Stored<'a>> {
+        let image = item(self.path, &self.document.images, index, "image")?;
+        let what = format!("image {index}");
+        match (&image.uri, image.buffer_view) {
+            (Some(uri), _) => match inline(self.path, uri, &what)? {
+                Some(bytes) => Ok(Stored::Inside(bytes.into())),
+                None => Ok(Stored::File(beside(self.path, uri, &what)?)),
+            },
+            (None, Some(view)) => Ok(Stored::Inside(self.view(view)?.into())),
+            (None, None) => Err(Error::invalid(self.path, format!("{what} without data"), "a uri or a buffer view")),
+        }
     }
 
     /// The bytes of a buffer view.

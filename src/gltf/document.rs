@@ -5,9 +5,31 @@ use std::collections::BTreeMap;
 
 use serde::Deserialize;
 
+use super::words::objects;
+
+objects!(
+    Document,
+    Asset,
+    Buffer,
+    BufferView,
+    Accessor,
+    Material,
+    MetallicRoughness,
+    TextureInfo,
+    Texture,
+    TextureExtensions,
+    Source,
+    Image,
+    Sampler,
+    Mesh,
+    Primitive,
+    Node,
+    Scene,
+);
+
 /// The JSON of a file.
 #[derive(Debug, Deserialize)]
-#[serde(rename_all = "camelCase")]
+#[serde(remote = "Self", rename_all = "camelCase")]
 pub(crate) struct Document {
     pub asset: Asset,
     #[serde(default)]
@@ -36,19 +58,20 @@ pub(crate) struct Document {
 }
 
 #[derive(Debug, Deserialize)]
+#[serde(remote = "Self")]
 pub(crate) struct Asset {
     pub version: String,
 }
 
 #[derive(Debug, Deserialize)]
-#[serde(rename_all = "camelCase")]
+#[serde(remote = "Self", rename_all = "camelCase")]
 pub(crate) struct Buffer {
     pub uri: Option<String>,
     pub byte_length: u64,
 }
 
 #[derive(Debug, Deserialize)]
-#[serde(rename_all = "camelCase")]
+#[serde(remote = "Self", rename_all = "camelCase")]
 pub(crate) struct BufferView {
     pub buffer: usize,
     #[serde(default)]
@@ -58,7 +81,7 @@ pub(crate) struct BufferView {
 }
 
 #[derive(Debug, Deserialize)]
-#[serde(rename_all = "camelCase")]
+#[serde(remote = "Self", rename_all = "camelCase")]
 pub(crate) struct Accessor {
     pub buffer_view: Option<usize>,
     #[serde(default)]
@@ -73,7 +96,7 @@ pub(crate) struct Accessor {
 }
 
 #[derive(Debug, Default, Deserialize)]
-#[serde(rename_all = "camelCase", default)]
+#[serde(remote = "Self", rename_all = "camelCase", default)]
 pub(crate) struct Material {
     pub name: Option<String>,
     pub pbr_metallic_roughness: MetallicRoughness,
@@ -83,7 +106,7 @@ pub(crate) struct Material {
 }
 
 #[derive(Debug, Deserialize)]
-#[serde(rename_all = "camelCase", default)]
+#[serde(remote = "Self", rename_all = "camelCase", default)]
 pub(crate) struct MetallicRoughness {
     pub roughness_factor: f32,
     pub metallic_roughness_texture: Option<TextureInfo>,
@@ -97,7 +120,7 @@ impl Default for MetallicRoughness {
 
 /// A texture as a material uses it.
 #[derive(Debug, Deserialize)]
-#[serde(rename_all = "camelCase")]
+#[serde(remote = "Self", rename_all = "camelCase")]
 pub(crate) struct TextureInfo {
     pub index: usize,
     #[serde(default)]
@@ -114,6 +137,7 @@ fn one() -> f32 {
 }
 
 #[derive(Debug, Deserialize)]
+#[serde(remote = "Self")]
 pub(crate) struct Texture {
     pub source: Option<usize>,
     pub sampler: Option<usize>,
@@ -121,8 +145,23 @@ pub(crate) struct Texture {
     pub extensions: TextureExtensions,
 }
 
+impl Texture {
+    /// The image that is read: WebP's if there is one.
+    ///
+    /// # Errors
+    /// What the texture is instead, in words that follow its name.
+    pub fn image(&self) -> Result<usize, String> {
+        let webp = self.extensions.webp.as_ref().map(|webp| webp.source);
+        webp.or(self.source).ok_or_else(|| match self.extensions.others.keys().next() {
+            Some(extension) => format!("in the form of {extension:?}"),
+            None => "without an image".to_owned(),
+        })
+    }
+}
+
 /// Other forms of a texture; we read WebP.
 #[derive(Debug, Default, Deserialize)]
+#[serde(remote = "Self")]
 pub(crate) struct TextureExtensions {
     #[serde(rename = "EXT_texture_webp")]
     pub webp: Option<Source>,
@@ -131,12 +170,13 @@ pub(crate) struct TextureExtensions {
 }
 
 #[derive(Debug, Deserialize)]
+#[serde(remote = "Self")]
 pub(crate) struct Source {
     pub source: usize,
 }
 
 #[derive(Debug, Deserialize)]
-#[serde(rename_all = "camelCase")]
+#[serde(remote = "Self", rename_all = "camelCase")]
 pub(crate) struct Image {
     pub uri: Option<String>,
     pub buffer_view: Option<usize>,
@@ -146,7 +186,7 @@ pub(crate) struct Image {
 
 /// How a texture continues beyond its border; 10497 repeats, 33648 mirrors, 33071 clamps.
 #[derive(Debug, Deserialize)]
-#[serde(rename_all = "camelCase")]
+#[serde(remote = "Self", rename_all = "camelCase")]
 pub(crate) struct Sampler {
     #[serde(default = "repeat")]
     pub wrap_s: u32,
@@ -161,11 +201,13 @@ fn repeat() -> u32 {
 }
 
 #[derive(Debug, Deserialize)]
+#[serde(remote = "Self")]
 pub(crate) struct Mesh {
     pub primitives: Vec<Primitive>,
 }
 
 #[derive(Debug, Deserialize)]
+#[serde(remote = "Self")]
 pub(crate) struct Primitive {
     pub attributes: BTreeMap<String, usize>,
     pub indices: Option<usize>,
@@ -183,6 +225,7 @@ fn triangles() -> u32 {
 
 /// Numbers are in lists, whose length is checked where they are used.
 #[derive(Debug, Deserialize)]
+#[serde(remote = "Self")]
 pub(crate) struct Node {
     pub mesh: Option<usize>,
     #[serde(default)]
@@ -194,6 +237,7 @@ pub(crate) struct Node {
 }
 
 #[derive(Debug, Deserialize)]
+#[serde(remote = "Self")]
 pub(crate) struct Scene {
     #[serde(default)]
     pub nodes: Vec<usize>,

@@ -9,10 +9,10 @@ mod words;
 
 use std::path::Path;
 
-pub(crate) use accessor::Reader;
-pub(crate) use container::{Buffers, beside, binary, inline, open, parts};
-pub(crate) use document::{Document, Image, Material, Node, Primitive, Sampler, TextureInfo};
-pub(crate) use words::parse;
+pub(crate) use accessor::{Reader, Stored};
+pub(crate) use container::{Buffers, beside, binary, open, parts};
+pub(crate) use document::{Document, Material, Node, Primitive, Sampler, TextureInfo};
+pub(crate) use words::{objects, parse};
 
 use crate::error::{Error, Result};
 

@@ -7,6 +7,34 @@ use serde_json::error::Category;
 
 use crate::error::{Error, Result};
 
+/// The most letters of a wrong value that are shown.
+const LONGEST_VALUE: usize = 80;
+
+/// Structs that are read from objects alone, and derive with `remote = "Self"`: serde takes lists for them too, whose
+/// items come without names.
+macro_rules! objects {
+    ($($name:ident),+ $(,)?) => {$(
+        impl<'de> serde::Deserialize<'de> for $name {
+            fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> std::result::Result<Self, D::Error> {
+                struct Object;
+                impl<'de> serde::de::Visitor<'de> for Object {
+                    type Value = $name;
+
+                    fn expecting(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+                        f.write_str("a map")
+                    }
+
+                    fn visit_map<M: serde::de::MapAccess<'de>>(self, map: M) -> std::result::Result<$name, M::Error> {
+                        $name::deserialize(serde::de::value::MapAccessDeserializer::new(map))
+                    }
+                }
+                deserializer.deserialize_map(Object)
+            }
+        }
+    )+};
+}
+pub(crate) use objects;
+
 /// Reads a text; `what` it is comes before the place where it is wrong.
 ///
 /// # Errors
@@ -35,8 +63,8 @@ fn kinds(message: &str) -> (String, String) {
         "a string" => "a text",
         "a boolean" => "true or false",
         "f32" | "f64" => "a number",
-        "u32" | "u64" | "usize" => "a whole number from 0 up",
-        _ if expected.starts_with("struct ") => "an object",
+        "u32" => "a whole number from 0 to 4294967295",
+        "u64" | "usize" => "a whole number from 0 up",
         _ if expected.starts_with("an array ") => "a list of as many numbers as glTF 2.0 has there",
         _ => "what glTF 2.0 has there",
     };
@@ -49,7 +77,7 @@ fn kinds(message: &str) -> (String, String) {
         let value =
             ["integer ", "floating point ", "boolean ", "string "].iter().find_map(|kind| found.strip_prefix(kind));
         match (found.as_str(), value) {
-            (_, Some(value)) => format!("is {value}"),
+            (_, Some(value)) => format!("is {}", short(value)),
             ("map", _) => "is an object".to_owned(),
             ("sequence", _) => "is a list".to_owned(),
             _ => format!("is {found}"),
@@ -58,6 +86,14 @@ fn kinds(message: &str) -> (String, String) {
         format!("is wrong ({told})")
     };
     (found, expected.to_owned())
+}
+
+/// The beginning of a value, if it is long.
+fn short(value: &str) -> String {
+    match value.char_indices().nth(LONGEST_VALUE) {
+        Some((end, _)) => format!("{}...", &value[..end]),
+        None => value.to_owned(),
+    }
 }
 
 /// The member or item that ends at a place of a text, or that holds it: `materials/0/extensions`. Lines count from 1,
@@ -124,17 +160,46 @@ mod tests {
             ),
             (
                 r#""textures": [{"extensions": {"EXT_texture_webp": []}}]"#,
-                "textures/0/extensions/EXT_texture_webp is a list of 0",
+                "textures/0/extensions/EXT_texture_webp is a list",
                 "an object",
             ),
             (r#""meshes": {}"#, "meshes is an object", "a list"),
+            (
+                r#""samplers": [{"wrapS": 4294967296}]"#,
+                "samplers/0/wrapS is 4294967296",
+                "a whole number from 0 to 4294967295",
+            ),
         ] {
             let error = said(&format!("{{{asset}, {member}}}"));
             let whole = format!("a.gltf: found JSON whose {found}");
             assert!(error.starts_with(&whole) && error.ends_with(&format!("; expected {expected}")), "{error}");
         }
-        assert_eq!(said("[]"), "a.gltf: found JSON that is a list of 0; expected an object");
+        assert_eq!(said("[]"), "a.gltf: found JSON that is a list; expected an object");
         assert_eq!(said("{}"), "a.gltf: found JSON that has no \"asset\"; expected what glTF 2.0 has there");
         assert!(said("{").contains("EOF"), "{}", said("{"));
+        let long = said(&format!("{{{asset}, \"materials\": \"{}\"}}", "é".repeat(5000)));
+        assert_eq!(long, format!("a.gltf: found JSON whose materials is \"{}...; expected a list", "é".repeat(79)));
+    }
+
+    /// Serde takes a list for a struct, by the order of its members.
+    #[test]
+    fn lists_in_the_place_of_objects_are_refused() {
+        let asset = r#""asset": {"version": "2.0"}"#;
+        for (member, place) in [
+            (r#""buffers": [[null, 4]]"#, "buffers/0"),
+            (r#""bufferViews": [[0, 0, 4, null]]"#, "bufferViews/0"),
+            (r#""materials": [{}, ["n", {}, {"index": 0}, null, {}]]"#, "materials/1"),
+            (r#""materials": [{"normalTexture": [0, 0, 1.0, {}]}]"#, "materials/0/normalTexture"),
+            (r#""materials": [{"pbrMetallicRoughness": [1, null]}]"#, "materials/0/pbrMetallicRoughness"),
+            (r#""textures": [[0, null, {}]]"#, "textures/0"),
+            (r#""textures": [{"extensions": {"EXT_texture_webp": [0]}}]"#, "textures/0/extensions/EXT_texture_webp"),
+            (r#""images": [[null, 0, "n", "image/png"]]"#, "images/0"),
+            (r#""samplers": [[10497, 10497, 9728]]"#, "samplers/0"),
+            (r#""meshes": [{"primitives": [[{}, 0, 0, 4, {}]]}]"#, "meshes/0/primitives/0"),
+            (r#""nodes": [[0, [], null, null, null, null]]"#, "nodes/0"),
+        ] {
+            let expected = format!("a.gltf: found JSON whose {place} is a list; expected an object");
+            assert_eq!(said(&format!("{{{asset}, {member}}}")), expected);
+        }
     }
 }

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use super::{ChannelRef, Inputs, RoughnessInput};
 use crate::codec::{self, Decoded, read_file};
 use crate::error::{Error, Result};
-use crate::gltf::{Buffers, Image, Material, Reader, Sampler, TextureInfo, beside, inline, is_gltf, item, open};
+use crate::gltf::{Buffers, Material, Reader, Sampler, Stored, TextureInfo, is_gltf, item, open};
 use crate::image::Wrap;
 use crate::roughness::PerceptualRoughness;
 
@@ -133,8 +133,8 @@ fn is_roughness(inputs: &Inputs, path: &Path) -> bool {
 
 /// A material's name as it is shown and used for files.
 fn material_name(name: Option<&str>, index: usize) -> String {
-    let name = name.map_or_else(|| format!("material {index}"), str::to_owned);
-    name.chars().filter(|c| !c.is_control()).take(LONGEST_NAME).collect()
+    let name: String = name.into_iter().flat_map(str::chars).filter(|c| !c.is_control()).take(LONGEST_NAME).collect();
+    if name.trim().is_empty() { format!("material {index}") } else { name }
 }
 
 fn surface(pictures: &mut Pictures, index: usize) -> Result<Surface> {
@@ -241,31 +241,17 @@ impl Pictures<'_, '_> {
     fn get(&mut self, texture: &TextureInfo, role: &str) -> Result<(PathBuf, Option<Arc<[u8]>>)> {
         let Reader { path, document, .. } = *self.reader;
         let entry = item(path, &document.textures, texture.index, "texture")?;
-        let webp = entry.extensions.webp.as_ref().map(|webp| webp.source);
-        let Some(source) = webp.or(entry.source) else {
-            let found = match entry.extensions.others.keys().next() {
-                Some(extension) => format!("texture {} in the form of {extension}", texture.index),
-                None => format!("texture {} without an image", texture.index),
-            };
-            return Err(Error::unsupported(path, found, "PNG, JPEG or WebP images"));
-        };
-        let image: &Image = item(path, &document.images, source, "image")?;
-        let what = format!("image {source}");
+        let source = entry.image().map_err(|instead| {
+            let found = format!("texture {} {instead}", texture.index);
+            Error::unsupported(path, found, "PNG, JPEG or WebP images")
+        })?;
+        let image = item(path, &document.images, source, "image")?;
         let bytes = match self.embedded.get(&source) {
             Some(bytes) => bytes.clone(),
-            None => {
-                let bytes = match (&image.uri, image.buffer_view) {
-                    (Some(uri), _) => match inline(path, uri, &what)? {
-                        Some(bytes) => bytes,
-                        None => return Ok((beside(path, uri, &what)?, None)),
-                    },
-                    (None, Some(view)) => self.reader.view(view)?.to_vec(),
-                    (None, None) => {
-                        return Err(Error::invalid(path, format!("{what} without data"), "a uri or a buffer view"));
-                    }
-                };
-                self.embedded.entry(source).or_insert(bytes.into()).clone()
-            }
+            None => match self.reader.image(source)? {
+                Stored::File(file) => return Ok((file, None)),
+                Stored::Inside(bytes) => self.embedded.entry(source).or_insert(bytes.into()).clone(),
+            },
         };
         // As if the model were a folder, with one for each image, since names may be equal: messages and names of outputs
         // come from this path.
@@ -287,6 +273,7 @@ fn ending(bytes: &[u8]) -> &'static str {
 }
 
 mod folds;
+mod headers;
 
 #[cfg(test)]
 mod tests;

@@ -54,7 +54,19 @@ fn nothing_is_written_over_or_of_broken_models() {
     desk.refuses("@in.glb -o @folder", ".glb or .gltf");
     desk.refuses("@in.glb @in.glb -o @out.glb", "one model at a time");
     desk.refuses("@in.glb -o @out.glb --lobes 2 --fold ggx-lobe", "one lobe");
-    desk.refuses("@in.glb -o @out.glb --format png", "--format");
+    for option in [
+        "--format png",
+        "--config @a.toml",
+        "--dds9",
+        "--occlusion 0.5",
+        "--metal @m.png",
+        "--normal-y opengl",
+        "--wrap clamp",
+    ] {
+        let name = option.split(' ').next().unwrap();
+        let told = format!("{name}: found a model; expected the options of models: --output, --fold, ");
+        desk.refuses(&format!("@in.glb -o @out.glb {option}"), &told);
+    }
     for length in [11, 40, whole.len() / 2, whole.len() - 5] {
         desk.file("cut.glb", &whole[..length]);
         desk.refuses("@cut.glb -o @out.glb", "@cut.glb");
@@ -78,7 +90,22 @@ fn nothing_is_written_over_or_of_broken_models() {
     broken(&|json| json["bufferViews"][0]["byteOffset"] = u64::MAX.into(), "buffer view 0");
     broken(&|json| json["buffers"][0]["byteLength"] = 9_000_000_000u64.into(), "9000000000");
     broken(&|json| json["textures"][0]["source"] = 1_000_000.into(), "1000000");
+    for form in ["EXT_texture_avif", "MSFT_texture_dds", "EXT_texture_webp", "KHR_texture_basisu"] {
+        let change = |json: &mut Value| json["textures"][2]["extensions"] = json!({ form: { "source": 7 } });
+        broken(&change, "image 7 of 3 in texture 2; expected an image that exists");
+    }
     broken(&|json| json["materials"][0]["normalTexture"]["index"] = 50.into(), "50");
+    let unnamed = json!(["wall", {}, { "index": 0 }, null, {}]);
+    broken(&|json| json["materials"][0] = unnamed.clone(), "materials/0 is a list; expected an object");
+    broken(
+        &|json| json["materials"][0]["extensions"] = json!({ "KHR_materials_anisotropy": [0.5, 0] }),
+        "is a list; expected an object",
+    );
+    let moved = json!({ "KHR_texture_transform": [[0, 0], 0, [1, 1], null] });
+    broken(
+        &|json| json["materials"][0]["normalTexture"]["extensions"] = moved.clone(),
+        "is a list; expected an object",
+    );
     broken(&|json| json["materials"] = "many".into(), "\"many\"");
     broken(&|json| json["extensionsUsed"] = json!({}), "members of other kinds");
     // Views of whatever it is that nothing here reads.
@@ -188,8 +215,42 @@ fn a_place_that_is_taken_is_told_before_the_work() {
     scene.json["images"][0] = json!({ "uri": "n.png" });
     desk.file("in.glb", &scene.glb());
     desk.file("out_wall_normal.ktx2", b"mine");
-    desk.refuses("@in.glb -o @out.glb", "@out_wall_normal.ktx2: found a file that mipfold did not write");
+    desk.refuses("@in.glb -o @out.glb", "@out_wall_normal.ktx2: found a file that mipfold did not write; expected a free name where a new one may be written");
     desk.refuses("@in.glb -o @other.glb", "--resize 4");
+}
+
+/// Headers tell of sides, when nothing is decoded yet.
+#[test]
+fn sides_are_told_before_the_work() {
+    let desk = Desk::empty();
+    let odd = png(30, |x, y| bump(x, y, 15).map(encode8));
+    let materials = json!([bumpy(), { "name": "odd", "normalTexture": { "index": 3 } }]);
+    let images: Vec<_> = pictures().into_iter().chain([("odd", odd[..40].to_vec())]).collect();
+    desk.file("in.glb", &Scene::new(materials, &images, json!({})).glb());
+    desk.refuses(
+        "@in.glb -o @out.glb",
+        "odd.png: a texture of 30x30 texels is not supported; supported: sides that are multiples of 4",
+    );
+    desk.warns("@in.glb -o @out.glb --resize 4", &["odd: left as it is"]);
+}
+
+#[test]
+fn what_files_say_is_shown_in_letters() {
+    let desk = Desk::empty();
+    let form = "A\u{1b}[31m\nerror: fake";
+    let textures =
+        json!([{ "source": 0 }, { "source": 1 }, { "source": 2 }, { "extensions": { form: { "source": 0 } } }]);
+    let mut nameless = bumpy();
+    nameless["name"] = "".into();
+    let materials = json!([nameless, { "name": "\u{7}\n", "normalTexture": { "index": 3 } }]);
+    desk.file("in.glb", &Scene::new(materials, &pictures(), json!({ "textures": textures })).glb());
+    let told = "material 1: left as it is: its normal texture is in the form of \"A\\u{1b}[31m\\nerror: fake\"";
+    let loaders = "no part of glTF";
+    desk.warns("@in.glb -o @out.glb", &[told]);
+    desk.warns("@in.glb -o @out.glb --compress bc", &[told, loaders]);
+    let said = sidecar(&desk);
+    assert_eq!(said["materials"][0]["name"], "material 0");
+    assert!(said["warnings"][0].as_str().unwrap().contains(loaders), "{said}");
 }
 
 #[test]

@@ -1,16 +1,16 @@
 //! What the channels of new textures hold.
 
-use mipfold::codec::read_levels;
+use mipfold::codec::{self, read_levels};
 use mipfold::fold::{Options, chain};
 use mipfold::image::Raster;
 use mipfold::material::{ChannelRef, Encoding, Inputs, LevelView, RoughnessInput, load};
 use serde_json::{Value, json};
 
 use crate::common::desk::Desk;
-use crate::common::model::Scene;
+use crate::common::model::{Scene, complaints, validator};
 use crate::{SIDE, built, bumpy, normals, orm, pictures, png, sidecar};
 
-/// The chain that is expected, and the levels of the texture that was written.
+/// Every level of both textures beside the chain that the library folds of the same maps.
 #[test]
 fn textures_hold_the_fold_but_for_their_compression() {
     let desk = Desk::empty();
@@ -121,4 +121,88 @@ fn anisotropy_is_folded_with_its_strength_and_its_rotation() {
     let close = |a: [f32; 3], b: [f32; 3]| assert!(a.iter().zip(b).all(|(a, b)| (a - b).abs() < 0.04), "{a:?} {b:?}");
     close(texel(0), [1.0, 0.5, 0.9 * 200.0 / 255.0]);
     close(texel(1), [1.0, 0.5, 0.5]);
+}
+
+/// Readers without KTX 2 see level 0: the old picture where it fits the factors of the new material, else a new one.
+#[test]
+fn fallbacks_fit_the_factors_and_missing_ones_are_made() {
+    let desk = Desk::empty();
+    let rough = |value: u8| png(SIDE, move |_, _| [9, value, 8]);
+    let brushed = |strength: f64, texture: Value| {
+        let mut material = bumpy();
+        material["pbrMetallicRoughness"]["metallicRoughnessTexture"]["index"] = 2.into();
+        material["extensions"] = json!({ "KHR_materials_anisotropy": { "anisotropyStrength": strength } });
+        if !texture.is_null() {
+            material["extensions"]["KHR_materials_anisotropy"]["anisotropyTexture"] = texture;
+        }
+        material
+    };
+    let mut smooth = bumpy();
+    smooth["pbrMetallicRoughness"]["roughnessFactor"] = 0.25.into();
+    let mut bare = json!({ "name": "bare", "normalTexture": { "index": 0 } });
+    bare["pbrMetallicRoughness"] = json!({ "roughnessFactor": 0.25, "metallicFactor": 0.5 });
+    let even = png(SIDE, |_, _| [255, 128, 255]);
+    let images = vec![("n", normals()), ("smooth", rough(100)), ("rough", rough(90)), ("even", even)];
+    let materials = json!([smooth, bare, brushed(0.5, Value::Null), brushed(0.25, json!({ "index": 3 })), bumpy()]);
+    let forms = json!({ "EXT_texture_webp": { "source": 1 } });
+    let textures = json!([{ "source": 0 }, { "source": 1, "extensions": forms }, { "source": 2 }, { "source": 3 }]);
+    let used = json!(["KHR_materials_anisotropy", "EXT_texture_webp"]);
+    let scene = Scene::new(materials, &images, json!({ "textures": textures, "extensionsUsed": used }));
+    let after = built(&desk, &scene, "--fallback");
+    let texture = |i: usize, path: &str| {
+        let index = after.json["materials"][i].pointer(path).unwrap()["index"].as_u64().unwrap() as usize;
+        &after.json["textures"][index]
+    };
+    let shown = |texture: &Value| {
+        let image = texture["source"].as_u64().unwrap() as usize;
+        let raster = codec::read(&desk.file("x.png", after.image(image))).unwrap().raster;
+        [0, 1, 2].map(|c| (255.0 * raster.at(9, 9, c)).round() as u8)
+    };
+    let metallic = "/pbrMetallicRoughness/metallicRoughnessTexture";
+    for (i, texel) in [(0, [9, 25, 8]), (1, [255, 64, 255])] {
+        assert_eq!(after.json["materials"][i]["pbrMetallicRoughness"]["roughnessFactor"], 1.0);
+        let texture = texture(i, metallic);
+        assert_eq!((shown(texture), texture["extensions"].get("EXT_texture_webp")), (texel, None), "material {i}");
+    }
+    let anisotropy = "/extensions/KHR_materials_anisotropy";
+    for (i, texel) in [(2, [255, 128, 128]), (3, [255, 128, 64])] {
+        assert_eq!(after.json["materials"][i].pointer(anisotropy).unwrap()["anisotropyStrength"], 1.0);
+        assert_eq!(shown(texture(i, &format!("{anisotropy}/anisotropyTexture"))), texel, "material {i}");
+        assert_eq!(texture(i, metallic)["source"], 2, "material {i}");
+    }
+    assert_eq!(
+        (&texture(4, metallic)["source"], &texture(4, metallic)["extensions"]["EXT_texture_webp"]),
+        (&1.into(), &forms["EXT_texture_webp"])
+    );
+    assert_eq!((0..4).map(|i| after.image(i)).collect::<Vec<_>>(), images.iter().map(|i| &i.1[..]).collect::<Vec<_>>());
+    // All of it is known beside the model.
+    let said = sidecar(&desk);
+    let textures = said["materials"].as_array().unwrap().iter().flat_map(|m| m["textures"].as_array().unwrap());
+    let pictures: Vec<_> = textures.filter_map(|texture| texture["picture"].as_u64()).collect();
+    assert_eq!(pictures.len(), 4);
+    for picture in pictures {
+        let digest = &said["images"][picture as usize];
+        assert!(digest["image"] == picture && digest["state"] == "added" && digest["after"].is_string(), "{digest}");
+    }
+    if let Some(validator) = validator() {
+        // The pictures are PNGs, whatever texture names them.
+        let told = |model: &str| {
+            let all = complaints(&validator, &desk.at(model)).into_iter();
+            all.filter(|text| !text.contains("EXT_texture_webp/source")).collect::<Vec<_>>()
+        };
+        assert_eq!(told("out.glb"), told("in.glb"));
+    }
+    // As files of their own, too.
+    let mut json = scene.json.clone();
+    json["buffers"][0]["uri"] = "in.bin".into();
+    desk.file("in.bin", &scene.binary);
+    for (i, (name, bytes)) in images.iter().enumerate() {
+        json["images"][i] = json!({ "uri": format!("{name}.png") });
+        desk.file(&format!("{name}.png"), bytes);
+    }
+    desk.file("in.gltf", json.to_string().as_bytes());
+    let (code, stderr) = desk.run("build @in.gltf -o @new/a.gltf --fallback");
+    assert_eq!(code, Some(0), "{stderr}");
+    let bare = codec::read(&desk.at("new/a_bare_roughness.png")).unwrap().raster;
+    assert_eq!((255.0 * bare.at(0, 0, 1)).round(), 64.0);
 }

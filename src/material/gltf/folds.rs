@@ -8,12 +8,12 @@ use glam::Vec2;
 use ndarray::{Array3, Axis};
 use serde::Deserialize;
 
-use super::{GREEN, Model, Pictures, is_roughness, material_name, picture, wrap};
-use crate::codec::Decoded;
+use super::{GREEN, Model, Pictures, headers, is_roughness, material_name, picture, wrap};
+use crate::codec::{Decoded, read_file};
 use crate::error::Result;
 use crate::gltf::text::{at, items, member};
-use crate::gltf::{Buffers, Reader, TextureInfo, item, open, parse, parts};
-use crate::image::{Raster, Samples, from_rows};
+use crate::gltf::{Buffers, Reader, TextureInfo, item, objects, open, parse, parts};
+use crate::image::{Raster, Samples, Size, from_rows};
 use crate::material::{ChannelRef, Inputs, RoughnessInput};
 use crate::roughness::PerceptualRoughness;
 
@@ -80,8 +80,10 @@ pub enum Fate {
     },
 }
 
+objects!(Anisotropy, Layout);
+
 #[derive(Deserialize)]
-#[serde(rename_all = "camelCase", default)]
+#[serde(remote = "Self", rename_all = "camelCase", default)]
 struct Anisotropy {
     anisotropy_strength: f32,
     anisotropy_rotation: f32,
@@ -96,7 +98,7 @@ impl Default for Anisotropy {
 
 /// `KHR_texture_transform`, and the set of coordinates that it transforms.
 #[derive(Deserialize, Debug, PartialEq)]
-#[serde(rename_all = "camelCase", default)]
+#[serde(remote = "Self", rename_all = "camelCase", default)]
 struct Layout {
     offset: [f64; 2],
     rotation: f64,
@@ -170,6 +172,20 @@ impl Foldable {
             return Ok(self.even_anisotropy());
         }
         picture(&self.inputs, &self.embedded, path)
+    }
+
+    /// The size that its maps will have, as far as the headers of their pictures tell: the longest sides of any.
+    pub fn size(&self) -> Option<Size> {
+        let Inputs { normal, roughness, anisotropy, .. } = &self.inputs;
+        let paths = [normal.as_deref(), roughness.file(), anisotropy.as_deref()].into_iter().flatten();
+        let size = |path: &Path| match self.embedded.get(path) {
+            Some(bytes) => headers::size(bytes),
+            None => headers::size(&read_file(path, "a picture file", u64::MAX).ok()?),
+        };
+        let sizes: Vec<Size> =
+            paths.filter(|path| *path != Path::new(EVEN_ANISOTROPY)).map(size).collect::<Option<_>>()?;
+        let sides = |side: fn(&Size) -> usize| sizes.iter().map(side).max();
+        Some(Size::new(sides(|size| size.width)?, sides(|size| size.height)?))
     }
 
     /// Makes of the picture of a path what the renderer makes of it: the factor times the roughness, directions turned.
@@ -297,10 +313,11 @@ fn foldable(
         };
         let layout = Layout::of(path, info, text)?;
         let entry = item(path, &document.textures, info.index, "texture")?;
-        let webp = entry.extensions.webp.as_ref().map(|webp| webp.source);
-        let Some(image) = webp.or(entry.source) else {
-            let form = entry.extensions.others.keys().next().map_or("without an image", String::as_str);
-            return left(format!("its {role} texture is {form}; supported: PNG, JPEG or WebP images"));
+        let image = match entry.image() {
+            Ok(image) => image,
+            Err(instead) => {
+                return left(format!("its {role} texture is {instead}; supported: PNG, JPEG or WebP images"));
+            }
         };
         if let Some((first, same)) = layouts.first()
             && *same != layout

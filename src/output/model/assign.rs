@@ -93,10 +93,11 @@ enum Place {
     Occlusion,
 }
 
-/// The images that a texture names, in whatever form.
-fn images_of(texture: &str) -> Vec<usize> {
+/// The images that a texture names, in every known form.
+pub fn images_of(texture: &str) -> Vec<usize> {
     let extensions = member(texture, "extensions").map_or_else(Vec::new, members);
-    let others = extensions.into_iter().filter_map(|(_, text)| member(text, "source"));
+    let known = extensions.into_iter().filter(|(name, _)| is_known(name));
+    let others = known.filter_map(|(_, text)| member(text, "source"));
     member(texture, "source").into_iter().chain(others).filter_map(whole).collect()
 }
 

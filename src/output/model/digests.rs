@@ -19,7 +19,7 @@ pub struct ImageDigest {
     /// SHA-256 of what the model had.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub before: Option<String>,
-    /// SHA-256 of what it has; unknown in a dry run.
+    /// SHA-256 of what it has; of new contents unknown in a dry run.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub after: Option<String>,
 }
@@ -33,10 +33,11 @@ pub fn digests(model: &Model, rewritten: &Rewritten, groups: &[Group]) -> Result
     let buffers = package.buffers();
     let Rewritten { images, gone, .. } = rewritten;
     let after = |image: usize| {
-        let about = images.iter().find(|about| about.image == image)?;
+        let about = images.iter().find(|about| about.image == image || about.picture == Some(image))?;
         let textures = &groups[about.group].folded.textures;
         let texture = textures.iter().find(|texture| texture.slot == about.slot)?;
-        Some(sha256(&texture.bytes))
+        let bytes = if about.image == image { Some(&texture.bytes) } else { texture.picture.as_ref() };
+        bytes.map(|bytes| sha256(bytes))
     };
     let count = package.document.images.len();
     let mut out = Vec::new();
@@ -50,7 +51,8 @@ pub fn digests(model: &Model, rewritten: &Rewritten, groups: &[Group]) -> Result
         };
         out.push(ImageDigest { image, state, before, after });
     }
-    let added = images.iter().map(|about| about.image).filter(|image| *image >= count);
+    let numbers = images.iter().flat_map(|about| [about.image].into_iter().chain(about.picture));
+    let added = numbers.filter(|image| *image >= count);
     out.extend(added.map(|image| ImageDigest { image, state: "added", before: None, after: after(image) }));
     Ok(out)
 }

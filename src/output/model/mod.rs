@@ -1,15 +1,17 @@
 //! Models: glTF in, glTF out, with folded textures in it.
 //!
-//! What is not folded stays as it is written: the JSON is edited as text, buffers keep their bytes. Two things alone are
-//! taken out: images that nothing uses any more, and their bytes, with the offsets of what follows mended. Buffer views,
-//! textures, images and materials keep their numbers, so that what unknown extensions say of them holds: other forms of a
-//! texture that changes (a PNG beside WebP) show its new image, unless that is a data URI, and then they stay. What an
-//! unknown extension may refer to is not taken out.
+//! What is not folded stays as it is written: the JSON is edited as text, buffers keep their bytes. Taken out are images
+//! that nothing uses any more, and their bytes, with the offsets of what follows mended; extensions that are then no
+//! longer used, from their lists, and lists that this empties; and, with a warning, bytes after the end that a .glb tells
+//! and the unknown chunks of one that becomes a .gltf. Buffer views, textures, images and materials keep their numbers, so
+//! that what unknown extensions say of them holds: other forms of a texture that changes (a PNG beside WebP) show its new
+//! image, unless that is a data URI, and then they stay. What an unknown extension may refer to is not taken out.
 
 mod assign;
 mod digests;
 mod extensions;
 mod package;
+mod proofs;
 mod textures;
 mod views;
 mod write;
@@ -17,7 +19,8 @@ mod write;
 use std::collections::BTreeMap;
 
 pub use digests::{ImageDigest, digests};
-pub use textures::{Folded, FoldedMaterial, Left, Proof, Slot, fold_material};
+pub use proofs::Proof;
+pub use textures::{Folded, FoldedMaterial, Left, Slot, check_headers, fold_material};
 pub use write::{ModelFiles, sidecar_name};
 
 use serde_json::Value;
@@ -79,6 +82,8 @@ pub struct ImageAbout {
     pub from: usize,
     /// Its number in the new file.
     pub image: usize,
+    /// The number of the picture that readers without KTX 2 show, if that is new.
+    pub picture: Option<usize>,
     /// Whether it took the place of that.
     pub replaces: bool,
     /// Where it is a file of its own.
@@ -134,35 +139,28 @@ pub fn rewrite(
         let folded = group.folded.textures.iter().find(|folded| folded.slot == new.slot);
         let bytes = folded.map_or_else(Vec::new, |folded| folded.bytes.clone());
         let old = &package.document.images[new.from];
-        let name = image_name(old.name.as_deref(), new, group);
+        let (name, place) = (image_name(old.name.as_deref(), new, group), package.place(new.from));
         let gone: Vec<usize> = plan.gone.iter().filter(|(_, new)| **new == index).map(|(old, _)| *old).collect();
-        let mut file = None;
-        let content = match package.place(new.from) {
-            Place::View(buffer) => {
-                let own = [new.from].into_iter().filter(|_| new.takes).chain(gone.iter().copied());
-                let views: Vec<usize> = own.filter_map(|image| package.document.images[image].buffer_view).collect();
-                let view = package.add(buffer, bytes, &views);
-                [("uri", None), ("bufferView", Some(view.to_string()))]
-            }
-            Place::Inline => [("bufferView", None), ("uri", Some(quoted(&data_uri("image/ktx2", &bytes))))],
-            Place::File => {
-                let name = package.free_name(&format!("{stem}_{}", plain(&name)), "ktx2", |_| true);
-                package.files.push((name.clone(), package::Beside::Bytes(bytes)));
-                file = Some(name.clone());
-                [("bufferView", None), ("uri", Some(quoted(&name)))]
-            }
-        };
-        let mime_type = [("mimeType", Some(quoted("image/ktx2")))];
-        let changes: Vec<_> = content.into_iter().chain(mime_type).collect();
+        let own = [new.from].into_iter().filter(|_| new.takes).chain(gone.iter().copied());
+        let views: Vec<usize> = own.filter_map(|image| package.document.images[image].buffer_view).collect();
+        let base = format!("{stem}_{}", plain(&name));
+        let (changes, file) = put(&mut package, place, bytes, "ktx2", &base, &views);
         gone.iter().for_each(|old| edits.replace(images[*old], with(images[*old], &changes)));
         let image = if new.takes {
             edits.replace(images[new.from], with(images[new.from], &changes));
             new.from
         } else {
-            new_images.push(with(&format!("{{\"name\":{}}}", quoted(&name)), &changes));
+            new_images.push(named(&name, &changes));
             images.len() + new_images.len() - 1
         };
-        about.push(ImageAbout { group: new.group, slot: new.slot, from: new.from, image, replaces: new.takes, file });
+        let picture = group.folded.pictures.contains(&new.slot).then(|| {
+            let bytes = folded.and_then(|folded| folded.picture.clone()).unwrap_or_default();
+            let (changes, _) = put(&mut package, place, bytes, "png", &base, &[]);
+            new_images.push(named(&format!("{name}_fallback"), &changes));
+            images.len() + new_images.len() - 1
+        });
+        let NewImage { group, slot, from, takes, .. } = *new;
+        about.push(ImageAbout { group, slot, from, image, picture, replaces: takes, file });
     }
     let gone: BTreeMap<usize, usize> = plan.gone.iter().map(|(old, new)| (*old, about[*new].image)).collect();
     let stays = |i: &usize| !gone.contains_key(i) && !about.iter().any(|about| about.replaces && about.image == *i);
@@ -172,7 +170,7 @@ pub fn rewrite(
         }
     }
 
-    let pointed = |texture: &str, image: usize| texture_with(texture, about[image].image, options);
+    let pointed = |texture: &str, image: usize| texture_with(texture, &about[image], options);
     for (number, image) in &plan.replaced {
         edits.replace(textures[*number], pointed(textures[*number], *image));
     }
@@ -191,9 +189,47 @@ pub fn rewrite(
         }
     }
     extensions(text, &mut edits, &plan, groups, options);
+    if options.compress != Compress::Uastc && !groups.is_empty() {
+        let warning = "textures that are not UASTC are no part of glTF: Bevy reads them, other loaders and validators do not \
+                       know image/ktx2";
+        package.warnings.push(warning.into());
+    }
     let inputs = package.inputs()?;
     let Whole { main, beside, warnings } = package.finish(edits, stem)?;
     Ok(Rewritten { files: ModelFiles { main, beside, inputs }, images: about, gone, warnings })
+}
+
+/// Puts the bytes of a new image in its place: the members that say so, and the name of its file if it is one. `ending` is
+/// `ktx2` or `png`, `base` begins the names of files, and `views` are those that it may take.
+fn put(
+    package: &mut Package,
+    place: Place,
+    bytes: Vec<u8>,
+    ending: &str,
+    base: &str,
+    views: &[usize],
+) -> (Vec<(&'static str, Option<String>)>, Option<String>) {
+    let mime_type = format!("image/{ending}");
+    let mut file = None;
+    let [first, second] = match place {
+        Place::View(buffer) => {
+            let view = package.add(buffer, bytes, views);
+            [("uri", None), ("bufferView", Some(view.to_string()))]
+        }
+        Place::Inline => [("bufferView", None), ("uri", Some(quoted(&data_uri(&mime_type, &bytes))))],
+        Place::File => {
+            let name = package.free_name(base, ending, |_| true);
+            package.files.push((name.clone(), package::Beside::Bytes(bytes)));
+            file = Some(name.clone());
+            [("bufferView", None), ("uri", Some(quoted(&name)))]
+        }
+    };
+    (vec![first, second, ("mimeType", Some(quoted(&mime_type)))], file)
+}
+
+/// A new image.
+fn named(name: &str, members: &[(&str, Option<String>)]) -> String {
+    with(&format!("{{\"name\":{}}}", quoted(name)), members)
 }
 
 /// Takes an image along that stays what it is: into the .glb that is made of a .gltf, or as a file.
@@ -239,10 +275,10 @@ fn mime_type(bytes: &[u8]) -> Option<&'static str> {
 }
 
 /// A texture that shows a new image.
-fn texture_with(texture: &str, image: usize, options: &ModelOptions) -> String {
-    let old = member(texture, "extensions").unwrap_or("{}");
+fn texture_with(texture: &str, about: &ImageAbout, options: &ModelOptions) -> String {
+    let (image, old) = (about.image, member(texture, "extensions").unwrap_or("{}"));
     let mut changes: Vec<(&str, Option<String>)> = Vec::new();
-    if !options.fallback {
+    if !options.fallback || about.picture.is_some() {
         changes.extend(OTHER_FORMS.map(|form| (form, None)));
         changes.push((BASISU, None));
     }
@@ -252,11 +288,12 @@ fn texture_with(texture: &str, image: usize, options: &ModelOptions) -> String {
     }
     let extensions = with(old, &changes);
     let extensions = Some(extensions).filter(|text| text != "{}");
-    match (basisu, options.fallback) {
-        (true, true) => with(texture, &[("extensions", extensions)]),
-        (true, false) => with(texture, &[("source", None), ("extensions", extensions)]),
-        (false, _) => with(texture, &[("source", Some(image.to_string())), ("extensions", extensions)]),
-    }
+    let source = match (basisu, options.fallback, about.picture) {
+        (true, true, None) => return with(texture, &[("extensions", extensions)]),
+        (true, _, picture) => picture,
+        (false, ..) => Some(image),
+    };
+    with(texture, &[("source", source.map(|image| image.to_string())), ("extensions", extensions)])
 }
 
 /// A material that uses its new textures.

@@ -4,12 +4,12 @@ use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-use super::assign::is_known;
+use super::assign::{images_of, is_known};
 use super::views::{check_views, is_fallback, removed, view_moved};
 use crate::codec::read_file;
 use crate::error::{Error, Result};
 use crate::gltf::text::{Edits, items, member, numbers, quoted, with};
-use crate::gltf::{Buffers, Document, Reader, beside, binary, inline, open, parts};
+use crate::gltf::{Buffers, Document, Reader, Stored, beside, binary, open, parts};
 use crate::material::Model;
 
 /// Where the content of an image lies.
@@ -72,6 +72,15 @@ impl<'a> Package<'a> {
         let (document, binary) = open(&model.path, &model.bytes)?;
         let parts = parts(&model.path, &model.bytes)?;
         check_views(&model.path, parts.text, &document, binary)?;
+        let textures = member(parts.text, "textures").map_or_else(Vec::new, items);
+        for (i, texture) in textures.into_iter().enumerate() {
+            for image in images_of(texture) {
+                if image >= document.images.len() {
+                    let found = format!("image {image} of {} in texture {i}", document.images.len());
+                    return Err(Error::invalid(&model.path, found, "an image that exists"));
+                }
+            }
+        }
         for (what, uris) in [
             ("buffer", document.buffers.iter().map(|b| b.uri.as_deref()).collect::<Vec<_>>()),
             ("image", document.images.iter().map(|i| i.uri.as_deref()).collect()),
@@ -332,15 +341,8 @@ pub fn relative(model: &Path, file: &Path) -> String {
 
 /// The bytes of an image, wherever they are; `buffers` are the package's.
 pub fn image_bytes<'b>(package: &'b Package, buffers: &'b Buffers, image: usize) -> Result<Cow<'b, [u8]>> {
-    let (path, document) = (package.path, &package.document);
-    let entry = &document.images[image];
-    let what = format!("image {image}");
-    match (&entry.uri, entry.buffer_view) {
-        (Some(uri), _) => match inline(path, uri, &what)? {
-            Some(bytes) => Ok(bytes.into()),
-            None => Ok(read_file(&beside(path, uri, &what)?, "a picture file", u64::MAX)?.into()),
-        },
-        (None, Some(view)) => Ok(Reader { path, document, buffers }.view(view)?.into()),
-        (None, None) => Err(Error::invalid(path, format!("{what} without data"), "a uri or a buffer view")),
+    match (Reader { path: package.path, document: &package.document, buffers }).image(image)? {
+        Stored::Inside(bytes) => Ok(bytes),
+        Stored::File(file) => Ok(read_file(&file, "a picture file", u64::MAX)?.into()),
     }
 }

@@ -1,18 +1,20 @@
 //! The folded textures of a model's material, as KTX 2.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Mutex;
 
+use ndarray::Axis;
 use rayon::prelude::*;
 use serde::Serialize;
-use sha2::{Digest, Sha256};
 
 use super::ModelOptions;
+use super::proofs::{Proof, Seen, proofs};
 use crate::codec::texture::{TexelFormat, write_ktx2};
+use crate::codec::write_png;
 use crate::error::{Error, Result};
 use crate::fold::{Chain, Options};
-use crate::image::{Raster, Size, from_rows};
-use crate::material::{Encoding, Foldable, MapFile, Material, Role, load_with, turn};
+use crate::image::{Raster, Samples, Sides, Size, from_rows};
+use crate::material::{Encoding, Foldable, Inputs, MapFile, Material, Role, load_with, turn};
 use crate::ndf::Form;
 use crate::output::preset::Compress;
 use crate::output::sheet::{Sheet, Source};
@@ -41,25 +43,14 @@ impl Slot {
     }
 }
 
-/// A channel of a texture at level 0, before it is compressed, beside the same channel of the image that it stems from.
-#[derive(Clone, Debug, Serialize)]
-pub struct Proof {
-    /// r, g or b.
-    pub channel: char,
-    /// SHA-256 of the samples in the image.
-    pub before: String,
-    /// And in the texture, as many bits each.
-    pub after: String,
-    /// Whether they are the same.
-    pub identical: bool,
-}
-
 /// One folded texture.
 pub struct Folded {
     /// What it is for.
     pub slot: Slot,
     /// A KTX 2 file.
     pub bytes: Vec<u8>,
+    /// Level 0 as PNG, if that is among [`FoldedMaterial::pictures`].
+    pub picture: Option<Vec<u8>>,
     /// Its texel format.
     pub format: TexelFormat,
     /// Of every channel that stems from an image.
@@ -83,6 +74,9 @@ pub struct FoldedMaterial {
     pub textures: Vec<Folded>,
     /// Which textures there are, or will be.
     pub slots: Vec<Slot>,
+    /// Those of them that get another picture as their fallback, for the old one, if there is any, does not fit what the
+    /// material says then; before the work all that might.
+    pub pictures: Vec<Slot>,
     /// How far it is from plain mips; unknown in a dry run.
     pub gain: Option<Gain>,
     /// Whether `roughnessFactor` stays; else it is in the texture, and 1 in the file.
@@ -112,10 +106,17 @@ impl FoldedMaterial {
         };
         let mut slots = vec![Slot::Normal, Slot::Roughness];
         slots.extend((form == Form::Anisotropic).then_some(Slot::Anisotropy));
+        let fits = |slot: &Slot| match slot {
+            Slot::Normal => true,
+            Slot::Roughness => foldable.roughness.is_some() && foldable.factor == 1.0,
+            Slot::Anisotropy => foldable.anisotropy.as_ref().is_some_and(|a| a.texture.is_some() && a.strength == 1.0),
+        };
+        let pictures = slots.iter().copied().filter(|slot| options.fallback && !fits(slot)).collect();
         Ok(Self {
             size: None,
             textures: Vec::new(),
             slots,
+            pictures,
             gain: None,
             keeps_factor: true,
             keeps_strength: true,
@@ -132,29 +133,11 @@ impl FoldedMaterial {
 /// What is done to the channels of every texel on their way into a texture.
 type Change = Box<dyn Fn(&mut [f32]) + Sync>;
 
-/// The channels of a picture as they were read.
-struct Seen {
-    path: PathBuf,
-    size: Size,
-    bits: u8,
-    /// SHA-256 of each.
-    channels: Vec<String>,
-}
-
-impl Seen {
-    fn new(path: &Path, picture: &Raster) -> Self {
-        let (size, bits) = (picture.size(), picture.bits());
-        let channel = |c| digest(size, bits, |y, row| picture.read(c, y, 0, row));
-        let channels = (0..picture.channels.len()).into_par_iter().map(channel).collect();
-        Self { path: path.to_owned(), size, bits, channels }
-    }
-}
-
 /// Reads and folds a material, or says why it stays as it is: its maps cannot be read or are no material, they have
 /// anisotropy that would be lost, or folding gains too little. A dry run reads it only.
 ///
 /// # Errors
-/// Sides that no compressed texture has.
+/// Sides that no compressed texture has; Zstandard that does not unpack to what it was made of.
 pub fn fold_material(
     foldable: &Foldable,
     options: &ModelOptions,
@@ -175,18 +158,13 @@ pub fn fold_material(
         foldable.apply_factors(path, &mut decoded);
         Ok(decoded)
     };
-    let inputs = crate::material::Inputs { sides: options.sides, ..foldable.inputs.clone() };
+    let inputs = Inputs { sides: options.sides, ..foldable.inputs.clone() };
     let mut material = match load_with(&inputs, &read) {
         Ok(material) => material,
         Err(error) => return Ok(Err(Left { reason: error.to_string(), plain: false })),
     };
     let seen = seen.into_inner().expect("no reader panics");
-    if material.size.width % 4 != 0 || material.size.height % 4 != 0 {
-        let path = inputs.normal.as_deref().unwrap_or(Path::new(""));
-        let expected =
-            "sides that are multiples of 4, since texels are compressed in blocks of 4x4; --resize 4 enlarges";
-        return Err(Error::unsupported(path, format!("a texture of {} texels", material.size), expected));
-    }
+    check_sides(&inputs, material.size)?;
     if folded.form() == Form::Anisotropic {
         material.ensure_anisotropy_map();
     }
@@ -204,11 +182,29 @@ pub fn fold_material(
             return Ok(Err(Left { reason: gain.describe(), plain: true }));
         }
         folded.gain = Some(gain);
-        write_textures(foldable, options, &mut material, &chain, &seen, &mut folded);
+        write_textures(foldable, options, &mut material, &chain, &seen, &mut folded)?;
         done(1.0);
     }
     (folded.notes, folded.warnings) = (material.notes, material.warnings);
     Ok(Ok(folded))
+}
+
+/// Refuses a material whose pictures say in their headers that its sides will be none that compressed textures have: before
+/// the work, and without reading more of them.
+///
+/// # Errors
+/// As [`fold_material`].
+pub fn check_headers(foldable: &Foldable, options: &ModelOptions) -> Result<()> {
+    foldable.size().map_or(Ok(()), |size| check_sides(&foldable.inputs, options.sides.fit(size)))
+}
+
+fn check_sides(inputs: &Inputs, size: Size) -> Result<()> {
+    if Sides::MultipleOf4.holds(size) {
+        return Ok(());
+    }
+    let path = inputs.normal.as_deref().unwrap_or(Path::new(""));
+    let expected = "sides that are multiples of 4, since texels are compressed in blocks of 4x4; --resize 4 enlarges";
+    Err(Error::unsupported(path, format!("a texture of {size} texels"), expected))
 }
 
 fn write_textures(
@@ -218,7 +214,8 @@ fn write_textures(
     chain: &Chain,
     seen: &[Seen],
     folded: &mut FoldedMaterial,
-) {
+) -> Result<()> {
+    let path = foldable.inputs.normal.as_deref().unwrap_or(Path::new(""));
     let notes = &mut Vec::new();
     let sheets: Vec<Sheet> = folded.slots.iter().map(|slot| sheet(material, *slot)).collect();
     for (i, slot) in folded.slots.clone().into_iter().enumerate() {
@@ -262,11 +259,32 @@ fn write_textures(
         let changed: Option<ChangeTexel> = if slot == Slot::Normal { None } else { Some(&change) };
         let texture = texture_of(&rows, format, options.effort, changed);
         let mut bytes = Vec::new();
-        write_ktx2(&mut bytes, &texture, Some(options.effort)).expect("memory takes everything");
+        write_ktx2(&mut bytes, &texture, Some(options.effort)).map_err(|error| Error::io(path, error))?;
+        let kept = match slot {
+            Slot::Normal => true,
+            Slot::Roughness => folded.keeps_factor && foldable.roughness.is_some(),
+            Slot::Anisotropy => folded.keeps_strength,
+        };
+        folded.pictures.retain(|other| *other != slot || !kept);
+        let picture = folded.pictures.contains(&slot).then(|| level_0_png(&rows, &change));
         let level_0 = proofs(&rows, &sheets[i], seen, &change);
-        folded.textures.push(Folded { slot, bytes, format, level_0 });
+        folded.textures.push(Folded { slot, bytes, picture, format, level_0 });
     }
     material.notes.append(notes);
+    Ok(())
+}
+
+/// Level 0 in 8 bit, as the renderer reads it with the new factors.
+fn level_0_png(rows: &Rows, change: ChangeTexel) -> Vec<u8> {
+    let read = |channel: usize, y: usize, row: &mut [f32]| rows.row(0, channel, Encoding::Unsigned, y, 0, row);
+    let mut values = from_rows(rows.size(0), 3, read);
+    for mut texel in values.lanes_mut(Axis(2)) {
+        change(texel.as_slice_mut().expect("channels lie together"));
+    }
+    let mut bytes = Vec::new();
+    let samples = Samples::U8(values.mapv(|v| (v.clamp(0.0, 1.0) * 255.0).round() as u8));
+    write_png(&mut bytes, &Raster::new(samples)).expect("memory takes everything");
+    bytes
 }
 
 /// Whether what goes up to `largest` can be written under a factor. The folded values of a flat map are those of level 0,
@@ -313,44 +331,4 @@ fn largest(rows: &Rows, channel: usize) -> f32 {
     let of_level =
         |level: usize| (0..rows.size(level).height).into_par_iter().map(|y| of_row(level, y)).reduce(|| 0.0, f32::max);
     (0..rows.levels()).map(of_level).fold(0.0, f32::max)
-}
-
-/// What level 0 has become, channel by channel.
-fn proofs(rows: &Rows, sheet: &Sheet, seen: &[Seen], change: ChangeTexel) -> Vec<Proof> {
-    let channels = sheet.channels.len();
-    let proof = |(i, (_, source)): (usize, &(String, Source))| {
-        let Source::Channel { map, channel, .. } = *source else { return None };
-        let crate::material::Origin::File { path, .. } = &rows.material.maps[map].origin else { return None };
-        let seen = seen.iter().find(|seen| seen.path == *path)?;
-        let size = rows.size(0);
-        let after = digest(size, seen.bits, |y, out| {
-            let read = |channel: usize, _, row: &mut [f32]| rows.row(0, channel, Encoding::Unsigned, y, 0, row);
-            let mut texels = from_rows(Size::new(size.width, 1), channels, read);
-            for (out, texel) in out.iter_mut().zip(texels.as_slice_mut().expect("just made").chunks_exact_mut(channels))
-            {
-                change(texel);
-                *out = texel[i];
-            }
-        });
-        let before = seen.channels[channel].clone();
-        Some(Proof { channel: ['r', 'g', 'b'][i], identical: before == after, before, after })
-    };
-    sheet.channels.iter().enumerate().filter_map(proof).collect()
-}
-
-/// SHA-256 of the samples of a channel, little-endian; `read` gives its rows.
-fn digest(size: Size, bits: u8, mut read: impl FnMut(usize, &mut [f32])) -> String {
-    let mut hash = Sha256::new();
-    let (mut row, mut bytes) = (vec![0.0; size.width], Vec::new());
-    for y in 0..size.height {
-        read(y, &mut row);
-        bytes.clear();
-        match bits {
-            8 => bytes.extend(row.iter().map(|v| (v * 255.0).round() as u8)),
-            16 => bytes.extend(row.iter().flat_map(|v| ((v * 65535.0).round() as u16).to_le_bytes())),
-            _ => bytes.extend(row.iter().flat_map(|v| v.to_le_bytes())),
-        }
-        hash.update(&bytes);
-    }
-    format!("{:x}", hash.finalize())
 }

@@ -77,7 +77,7 @@ impl ModelFiles {
                     ));
                 }
                 Ok(_) if !force && !earlier.iter().any(|file| file.eq_ignore_ascii_case(&name)) => {
-                    let expected = "a free name, or --force to replace it";
+                    let expected = "a free name where a new one may be written, or --force to replace it";
                     return Err(Error::invalid(&path, "a file that mipfold did not write", expected));
                 }
                 Ok(_) => {}

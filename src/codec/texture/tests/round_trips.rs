@@ -135,7 +135,7 @@ fn slow_packing_is_smaller_than_fast_and_fast_than_none() {
 /// From 16 MiB on the encoder goes another way; and what it did before may not show.
 #[test]
 fn large_levels_are_packed_alike_whatever_was_packed_before() {
-    let level = |seed: u32| (0..1u32 << 24).map(|i| (i.wrapping_mul(seed) >> 13 ^ i / 77) as u8).collect();
+    let level = |seed: u32| (0..1u32 << 24).map(|i| ((i.wrapping_mul(seed) >> 13) ^ (i / 77)) as u8).collect();
     let large = |seed| Texture { size: Size::new(4096, 4096), format: TexelFormat::R8, levels: vec![level(seed)] };
     let [first, other] = [large(2_654_435_761), large(40_503)];
     let packed = ktx2_of(&first, Some(Effort::Fast));
