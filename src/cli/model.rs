@@ -12,7 +12,7 @@ use super::vocabulary::Vocabulary;
 use crate::error::{Error, Result};
 use crate::material::{Fate, Foldable, Model};
 use crate::output::model::{
-    FoldedMaterial, Group, ImageAbout, ImageDigest, Left, ModelOptions, Proof, Rewritten, Slot, check_headers, digests,
+    FoldedMaterial, Group, ImageAbout, ImageDigest, Left, ModelOptions, Proof, Rewritten, Slot, check_early, digests,
     fold_material, rewrite,
 };
 use crate::output::preset::Compress;
@@ -131,7 +131,7 @@ pub fn run(args: &BuildArgs, said: &ArgMatches, global: &Global, report: &mut Re
         foldables.iter().filter_map(|f| Some((*f, FoldedMaterial::planned(f, &options).ok()?))).collect();
     let planned: Vec<Group> = planned.iter().map(|(foldable, folded)| Group { foldable, folded }).collect();
     rewrite(&model, &planned, &options, to_binary, &stem)?.files.check(input, output, global.force)?;
-    planned.iter().try_for_each(|group| check_headers(group.foldable, &options))?;
+    planned.iter().try_for_each(|group| check_early(group.foldable, &options))?;
     let work = |foldable: &&Foldable| {
         let portion = Portion::on(&report.progress);
         let result = fold_material(foldable, &options, global.dry_run, &|share| portion.show(share))?;

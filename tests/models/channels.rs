@@ -123,6 +123,26 @@ fn anisotropy_is_folded_with_its_strength_and_its_rotation() {
     close(texel(1), [1.0, 0.5, 0.5]);
 }
 
+/// A form that no texture has any more is not asked of readers: their new pictures are made for all.
+#[test]
+fn fallbacks_that_are_new_need_no_other_form() {
+    let desk = Desk::empty();
+    let images = pictures();
+    let required = json!(["EXT_texture_webp"]);
+    let webp = json!({ "extensions": { "EXT_texture_webp": { "source": 1 } } });
+    let textures = json!([{ "source": 0 }, webp, { "source": 2 }]);
+    let more = json!({ "textures": textures, "extensionsUsed": required, "extensionsRequired": required });
+    for (factor, kept) in [(0.25, false), (1.0, true)] {
+        let mut material = bumpy();
+        material["pbrMetallicRoughness"]["roughnessFactor"] = factor.into();
+        let after = built(&desk, &Scene::new(json!([material]), &images, more.clone()), "--fallback").json;
+        for list in ["extensionsUsed", "extensionsRequired"] {
+            let names = after[list].as_array().map_or(&[][..], Vec::as_slice);
+            assert_eq!(names.contains(&"EXT_texture_webp".into()), kept, "{list} of factor {factor}: {names:?}");
+        }
+    }
+}
+
 /// Readers without KTX 2 see level 0: the old picture where it fits the factors of the new material, else a new one.
 #[test]
 fn fallbacks_fit_the_factors_and_missing_ones_are_made() {

@@ -4,13 +4,16 @@ use crate::image::Size;
 
 /// The size that a PNG, JPEG or WebP picture claims; nothing of other data.
 pub(super) fn size(bytes: &[u8]) -> Option<Size> {
-    let (width, height) = match bytes {
-        [0x89, b'P', b'N', b'G', ..] => (number(bytes, 16, 4, true)?, number(bytes, 20, 4, true)?),
-        [0xff, 0xd8, ..] => jpeg(bytes)?,
-        [b'R', b'I', b'F', b'F', ..] => webp(bytes)?,
-        _ => return None,
+    let (width, height) = if bytes.starts_with(b"\x89PNG\r\n\x1a\n") && bytes.get(12..16)? == b"IHDR" {
+        (number(bytes, 16, 4, true)?, number(bytes, 20, 4, true)?)
+    } else if bytes.starts_with(b"\xff\xd8") {
+        jpeg(bytes)?
+    } else if bytes.starts_with(b"RIFF") && bytes.get(8..12)? == b"WEBP" {
+        webp(bytes)?
+    } else {
+        return None;
     };
-    Some(Size::new(width, height))
+    (width > 0 && height > 0).then(|| Size::new(width, height))
 }
 
 /// Up to 4 bytes as one number.
@@ -39,8 +42,10 @@ fn webp(bytes: &[u8]) -> Option<(usize, usize)> {
     let little = |at, length| number(bytes, at, length, false);
     match bytes.get(12..16)? {
         b"VP8X" => Some((1 + little(24, 3)?, 1 + little(27, 3)?)),
-        b"VP8L" => little(21, 4).map(|sides| (1 + (sides & 0x3fff), 1 + (sides >> 14 & 0x3fff))),
-        b"VP8 " => Some((little(26, 2)? & 0x3fff, little(28, 2)? & 0x3fff)),
+        b"VP8L" if bytes.get(20)? == &0x2f => {
+            little(21, 4).map(|sides| (1 + (sides & 0x3fff), 1 + (sides >> 14 & 0x3fff)))
+        }
+        b"VP8 " if bytes.get(23..26)? == b"\x9d\x01\x2a" => Some((little(26, 2)? & 0x3fff, little(28, 2)? & 0x3fff)),
         _ => None,
     }
 }
@@ -75,5 +80,12 @@ mod tests {
         assert_eq!(size(b"RIFF....WEBPVP8X\x0a\0\0\0\x10\0\0\0\x2b\x01\0\x4c\0\0"), Some(Size::new(300, 77)));
         assert_eq!(size(b"RIFF....WEBPVP8 \x0a\0\0\0...\x9d\x01\x2a\x2c\x41\x4d\x80"), Some(Size::new(300, 77)));
         assert_eq!(size(b"GIF89a, which is none of them"), None);
+        // Not all that begins like a picture is one, and no side is 0.
+        png[12..16].copy_from_slice(b"CgBI");
+        assert_eq!(size(&png), None);
+        png[12..16].copy_from_slice(b"IHDR");
+        png[16..20].fill(0);
+        assert_eq!(size(&png), None);
+        assert_eq!(size(b"RIFF....AVI VP8X\x0a\0\0\0\x10\0\0\0\x2b\x01\0\x4c\0\0"), None);
     }
 }

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use super::assign::Assignment;
+use super::assign::{Assignment, NewImage};
 use super::{ANISOTROPY, BASISU, Group, ModelOptions, OTHER_FORMS, Slot};
 use crate::gltf::text::{Edits, items, member, members, quoted};
 use crate::output::preset::Compress;
@@ -15,11 +15,16 @@ pub fn extensions(text: &str, edits: &mut Edits, plan: &Assignment, groups: &[Gr
     };
     let (old_used, old_required) = (strings("extensionsUsed"), strings("extensionsRequired"));
     let (mut used, mut required) = (old_used.clone(), old_required.clone());
-    if !plan.images.is_empty() && !options.fallback {
-        // Textures that still have another form.
+    if !plan.images.is_empty() {
+        // Textures that still have another form, those with their old image as a fallback among them.
         let textures = member(text, "textures").map_or_else(Vec::new, items);
-        let kept = textures.iter().enumerate().filter(|(i, _)| !plan.replaced.contains_key(i));
-        let forms = kept.flat_map(|(_, text)| member(text, "extensions").map_or_else(Vec::new, members));
+        let keeps = |image: usize| {
+            let NewImage { group, slot, .. } = plan.images[image];
+            options.fallback && !groups[group].folded.pictures.contains(&slot)
+        };
+        let kept = textures.iter().enumerate().filter(|(i, _)| plan.replaced.get(i).is_none_or(|image| keeps(*image)));
+        let copied = plan.added.iter().filter(|new| keeps(new.image)).map(|new| (new.like, &textures[new.like]));
+        let forms = kept.chain(copied).flat_map(|(_, text)| member(text, "extensions").map_or_else(Vec::new, members));
         let forms: BTreeSet<String> = forms.map(|(name, _)| name).collect();
         let gone = |name: &String| (OTHER_FORMS.contains(&name.as_str()) || name == BASISU) && !forms.contains(name);
         used.retain(|name| !gone(name));

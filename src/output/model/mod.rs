@@ -1,7 +1,7 @@
 //! Models: glTF in, glTF out, with folded textures in it.
 //!
 //! What is not folded stays as it is written: the JSON is edited as text, buffers keep their bytes. Taken out are images
-//! that nothing uses any more, and their bytes, with the offsets of what follows mended; extensions that are then no
+//! that nothing uses any more, and their bytes, with the offsets of what follows mended (but with fallbacks none); extensions that are then no
 //! longer used, from their lists, and lists that this empties; and, with a warning, bytes after the end that a .glb tells
 //! and the unknown chunks of one that becomes a .gltf. Buffer views, textures, images and materials keep their numbers, so
 //! that what unknown extensions say of them holds: other forms of a texture that changes (a PNG beside WebP) show its new
@@ -20,7 +20,7 @@ use std::collections::BTreeMap;
 
 pub use digests::{ImageDigest, digests};
 pub use proofs::Proof;
-pub use textures::{Folded, FoldedMaterial, Left, Slot, check_headers, fold_material};
+pub use textures::{Folded, FoldedMaterial, Left, Slot, check_early, fold_material};
 pub use write::{ModelFiles, sidecar_name};
 
 use serde_json::Value;
@@ -103,7 +103,8 @@ pub struct Rewritten {
 }
 
 /// Makes the new file; `stem` is its name without ending, and new files beside it begin with that. Without textures (in a
-/// dry run, or before the work) contents are missing, and names are right.
+/// dry run, or before the work) contents are missing, and names are right, but that fallbacks are among them that may not
+/// be needed.
 ///
 /// # Errors
 /// Buffers that cannot be read or contradict themselves, files outside the model's folder. Images that cannot be read stay

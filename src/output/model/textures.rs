@@ -189,13 +189,18 @@ pub fn fold_material(
     Ok(Ok(folded))
 }
 
-/// Refuses a material whose pictures say in their headers that its sides will be none that compressed textures have: before
-/// the work, and without reading more of them.
+/// Refuses a material, before the work, whose sides will be none that compressed textures have. Headers of pictures are
+/// believed if they tell of other sides; else the material is read, for it may stay as it is.
 ///
 /// # Errors
 /// As [`fold_material`].
-pub fn check_headers(foldable: &Foldable, options: &ModelOptions) -> Result<()> {
-    foldable.size().map_or(Ok(()), |size| check_sides(&foldable.inputs, options.sides.fit(size)))
+pub fn check_early(foldable: &Foldable, options: &ModelOptions) -> Result<()> {
+    match foldable.size() {
+        Some(size) if !Sides::MultipleOf4.holds(options.sides.fit(size)) => {
+            fold_material(foldable, options, true, &|_| {}).map(drop)
+        }
+        _ => Ok(()),
+    }
 }
 
 fn check_sides(inputs: &Inputs, size: Size) -> Result<()> {
@@ -215,7 +220,6 @@ fn write_textures(
     seen: &[Seen],
     folded: &mut FoldedMaterial,
 ) -> Result<()> {
-    let path = foldable.inputs.normal.as_deref().unwrap_or(Path::new(""));
     let notes = &mut Vec::new();
     let sheets: Vec<Sheet> = folded.slots.iter().map(|slot| sheet(material, *slot)).collect();
     for (i, slot) in folded.slots.clone().into_iter().enumerate() {
@@ -259,7 +263,10 @@ fn write_textures(
         let changed: Option<ChangeTexel> = if slot == Slot::Normal { None } else { Some(&change) };
         let texture = texture_of(&rows, format, options.effort, changed);
         let mut bytes = Vec::new();
-        write_ktx2(&mut bytes, &texture, Some(options.effort)).map_err(|error| Error::io(path, error))?;
+        write_ktx2(&mut bytes, &texture, Some(options.effort)).map_err(|error| {
+            let subject = format!("{}: the folded {slot:?} texture", material.name);
+            Error::invalid_option(subject, error.to_string(), "Zstandard data that unpacks to what it is made of")
+        })?;
         let kept = match slot {
             Slot::Normal => true,
             Slot::Roughness => folded.keeps_factor && foldable.roughness.is_some(),
