@@ -14,6 +14,7 @@ use mipfold_gpu_tests::source::{bundle, kernels};
 use mipfold_gpu_tests::translate::Language;
 use mipfold_gpu_tests::twins::geometric_aa::{MOST_ADDED, SIGMA2_PEAK, aa_2021_normals};
 
+#[allow(dead_code, reason = "other tests ask for more")]
 #[path = "../../common/browser.rs"]
 mod browser;
 #[path = "engines/files.rs"]
