@@ -7,6 +7,8 @@ mod common;
 use std::path::Path;
 use std::process::Command;
 
+use common::browser::chromium;
+use common::or_skip;
 use mipfold::codec::{decode, write_png};
 use mipfold::compare::{Candidate, Settings, judge};
 use mipfold::fold::{DEFAULT_FOLD, FOLDS, Fold, Options, chain};
@@ -20,10 +22,6 @@ use ndarray::Array3;
 
 /// Megabytes are 10^6 bytes.
 const MOST_BYTES: usize = 5_000_000;
-
-fn chromium() -> Option<String> {
-    common::browser::chromium().map_or_else(|why| common::skip(&why), Some)
-}
 
 /// The page of a sample, judged quickly.
 fn report() -> String {
@@ -189,7 +187,7 @@ fn driven(chromium: &str, page: &Path, flags: &[&str]) -> Vec<String> {
 
 #[test]
 fn report_works_in_a_browser() {
-    let Some(chromium) = chromium() else { return };
+    let Some(chromium) = or_skip(chromium()) else { return };
     let html = report();
     assert!(html.len() < MOST_BYTES, "{} bytes", html.len());
     let folder = tempfile::tempdir().unwrap();
@@ -217,7 +215,7 @@ fn report_works_in_a_browser() {
 /// The console is really listened to: a page that complains must be heard.
 #[test]
 fn a_complaint_on_the_console_is_heard() {
-    let Some(chromium) = chromium() else { return };
+    let Some(chromium) = or_skip(chromium()) else { return };
     let folder = tempfile::tempdir().unwrap();
     let page = folder.path().join("loud.html");
     std::fs::write(&page, "<!DOCTYPE html><html><body><script>nothing.here();</script></body></html>").unwrap();

@@ -17,7 +17,7 @@ use base64::prelude::{BASE64_STANDARD, Engine};
 use common::browser::{Seen, Site, below, beside_three, chromium, three};
 use common::desk::Desk;
 use common::model::Scene;
-use common::{bump, encode8, manifest, png8, strings};
+use common::{bump, encode8, manifest, or_skip, png8, strings};
 use mipfold::codec::{read_levels, write_png};
 use mipfold::image::Raster;
 use mipfold::sample::by_name;
@@ -26,9 +26,8 @@ use serde_json::json;
 /// Runs a module of `tests/consumers` with words for it, while `/files/` is the desk. Nothing if there is no browser or
 /// an engine is missing.
 fn open(module: &str, words: &[&str], desk: &Desk) -> Option<Seen> {
-    let there = |found: Result<_, String>| found.map_or_else(|why| common::skip(&why), Some);
-    let (three, playcanvas) = (there(three())?, there(beside_three("playcanvas"))?);
-    let chromium = chromium().map_or_else(|why| common::skip(&why), Some)?;
+    let (three, playcanvas) = (or_skip(three())?, or_skip(beside_three("playcanvas"))?);
+    let chromium = or_skip(chromium())?;
     let files = desk.at("");
     let pages = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/consumers");
     let folders = [("/three/", three), ("/playcanvas/", playcanvas), ("/files/", files), ("/", pages)];

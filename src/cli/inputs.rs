@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use super::args::{MapArgs, ReadingArgs};
+use super::model::is_model;
 use crate::error::{Error, Result};
 use crate::image::Wrap;
 use crate::material::detect::{self, Found, Given, TextureSet};
@@ -99,9 +100,8 @@ pub fn given(maps: &MapArgs, reading: &ReadingArgs) -> Given {
 
 /// The texture sets of a folder and of all below it, without the folder of the outputs.
 pub fn look(input: &Path, outputs: Option<&Path>) -> Result<Found> {
-    let extension = input.extension().unwrap_or_default().to_string_lossy().to_lowercase();
     if input.is_file() {
-        let hint = if extension == "glb" || extension == "gltf" {
+        let hint = if is_model(input) {
             "a folder of texture files; build, audit and bake-curvature take models"
         } else {
             "a folder; single maps are given with --normal and --roughness"

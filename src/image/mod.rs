@@ -6,7 +6,7 @@ mod raster;
 mod sides;
 mod span;
 
-pub use raster::{Raster, Samples, from_rows};
+pub use raster::{Raster, Samples, each_texel, from_rows};
 pub use sides::Sides;
 pub use span::{Span, span, spans};
 

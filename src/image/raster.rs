@@ -108,6 +108,13 @@ pub fn from_rows(size: Size, channels: usize, read: impl Fn(usize, usize, &mut [
     samples
 }
 
+/// Changes the channels of every texel; axes as in [`from_rows`].
+pub fn each_texel(samples: &mut Array3<f32>, change: impl FnMut(&mut [f32])) {
+    let channels = samples.dim().2;
+    let samples = samples.as_slice_mut().expect("samples are in standard layout");
+    samples.chunks_exact_mut(channels).for_each(change);
+}
+
 /// `v / 255` for every byte: a look-up is quicker than a division.
 const UNORM8: [f32; 256] = {
     let mut table = [0.0; 256];

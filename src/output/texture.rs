@@ -1,13 +1,13 @@
 //! Maps as textures for GPUs: which texel format, and their levels in it.
 
 use glam::Vec3;
-use ndarray::{Array3, Axis};
+use ndarray::Array3;
 use rayon::prelude::*;
 
 use super::layer::{Layer, Rows};
 use super::preset::Compress;
 use crate::codec::texture::{Effort, TexelFormat, Texture, decode, encode};
-use crate::image::{Raster, Samples, Size, from_rows};
+use crate::image::{Raster, Samples, Size, each_texel, from_rows};
 use crate::material::Encoding;
 
 /// Rows that are encoded at a time, of whole blocks: what is in memory beside the bytes.
@@ -76,8 +76,7 @@ fn bands(
             rows.row(level, channel, Encoding::Unsigned, first + y, 0, row);
         });
         if let Some(change) = change {
-            let texels = values.lanes_mut(Axis(2)).into_iter();
-            texels.for_each(|mut texel| change(texel.as_slice_mut().expect("channels lie together")));
+            each_texel(&mut values, change);
         }
         if with_z {
             unit(&mut values);
@@ -95,13 +94,13 @@ fn bands(
 
 /// Gives normals unit length, for their z will be made from x and y. Those that do not point up stay as they are.
 fn unit(values: &mut Array3<f32>) {
-    for mut texel in values.lanes_mut(Axis(2)) {
-        let n = Vec3::new(texel[0], texel[1], texel[2]) * 2.0 - 1.0;
+    each_texel(values, |texel| {
+        let n = Vec3::from_slice(texel) * 2.0 - 1.0;
         if let (true, Some(n)) = (n.z > 0.0, n.try_normalize()) {
             let stored = n * 0.5 + 0.5;
             (texel[0], texel[1]) = (stored.x, stored.y);
         }
-    }
+    });
 }
 
 /// The longest xy of a decoded normal: hardware may decode a few 16-bit steps apart from us.

@@ -34,6 +34,11 @@ pub fn skip<T>(why: &str) -> Option<T> {
     None
 }
 
+/// What is there; without it a test is skipped.
+pub fn or_skip<T>(found: Result<T, String>) -> Option<T> {
+    found.map_or_else(|why| skip(&why), Some)
+}
+
 /// The folder of real textures.
 pub fn textures() -> Option<PathBuf> {
     shared("textures", "MIPFOLD_TEXTURES")

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use glam::Vec2;
-use ndarray::{Array3, Axis};
+use ndarray::Array3;
 use serde::Deserialize;
 
 use super::{GREEN, Model, Pictures, headers, is_roughness, material_name, picture, wrap};
@@ -13,7 +13,7 @@ use crate::codec::{Decoded, read_file};
 use crate::error::Result;
 use crate::gltf::text::{at, items, member};
 use crate::gltf::{Buffers, Reader, TextureInfo, item, objects, open, parse, parts};
-use crate::image::{Raster, Samples, Size, from_rows};
+use crate::image::{Raster, Samples, Size, each_texel, from_rows};
 use crate::material::{ChannelRef, Inputs, RoughnessInput};
 use crate::roughness::PerceptualRoughness;
 
@@ -241,9 +241,7 @@ fn edit(decoded: &mut Decoded, change: impl Fn(&mut [f32])) {
     let Raster { samples, channels } = &decoded.raster;
     let read = |channel: usize, y: usize, row: &mut [f32]| decoded.raster.read(channel, y, 0, row);
     let mut values = from_rows(decoded.raster.size(), samples.channels(), read);
-    for mut texel in values.lanes_mut(Axis(2)) {
-        change(texel.as_slice_mut().expect("channels lie together"));
-    }
+    each_texel(&mut values, change);
     decoded.raster = Raster { samples: Samples::F32(values), channels: channels.clone() };
     decoded.plain_png = None;
 }

@@ -3,7 +3,6 @@
 use std::path::Path;
 use std::sync::Mutex;
 
-use ndarray::Axis;
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -13,7 +12,7 @@ use crate::codec::texture::{TexelFormat, write_ktx2};
 use crate::codec::write_png;
 use crate::error::{Error, Result};
 use crate::fold::{Chain, Options};
-use crate::image::{Raster, Samples, Sides, Size, from_rows};
+use crate::image::{Raster, Samples, Sides, Size, each_texel, from_rows};
 use crate::material::{Encoding, Foldable, Inputs, MapFile, Material, Role, load_with, turn};
 use crate::ndf::Form;
 use crate::output::preset::Compress;
@@ -285,9 +284,7 @@ fn write_textures(
 fn level_0_png(rows: &Rows, change: ChangeTexel) -> Vec<u8> {
     let read = |channel: usize, y: usize, row: &mut [f32]| rows.row(0, channel, Encoding::Unsigned, y, 0, row);
     let mut values = from_rows(rows.size(0), 3, read);
-    for mut texel in values.lanes_mut(Axis(2)) {
-        change(texel.as_slice_mut().expect("channels lie together"));
-    }
+    each_texel(&mut values, change);
     let mut bytes = Vec::new();
     let samples = Samples::U8(values.mapv(|v| (v.clamp(0.0, 1.0) * 255.0).round() as u8));
     write_png(&mut bytes, &Raster::new(samples)).expect("memory takes everything");

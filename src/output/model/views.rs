@@ -59,6 +59,10 @@ fn placed(view: &str) -> Vec<(String, &str)> {
     extensions.into_iter().filter(|(name, _)| PLACING.contains(&name.as_str())).collect()
 }
 
+fn number(text: &str, key: &str) -> Option<usize> {
+    member(text, key).and_then(|text| text.parse().ok())
+}
+
 /// Ranges of each buffer that only views that are given up lie in, in order. Lengths are multiples of 4, so that what
 /// follows stays aligned.
 pub fn removed(document: &Document, views: &[&str], dropped: &BTreeSet<usize>) -> Vec<Vec<Range<usize>>> {
@@ -76,9 +80,8 @@ pub fn removed(document: &Document, views: &[&str], dropped: &BTreeSet<usize>) -
         to.push((view.buffer, start..start + view.byte_length as usize));
     }
     for (_, place) in views.iter().flat_map(|view| placed(view)) {
-        let number = |key| member(place, key).and_then(|text| text.parse::<usize>().ok()).unwrap_or(0);
-        let start = number("byteOffset");
-        kept.push((number("buffer"), start..start + number("byteLength")));
+        let [buffer, start, length] = ["buffer", "byteOffset", "byteLength"].map(|key| number(place, key).unwrap_or(0));
+        kept.push((buffer, start..start + length));
     }
     kept.sort_by_key(|(_, range)| range.start);
     gone.sort_by_key(|(_, range)| range.start);
@@ -104,7 +107,6 @@ pub fn removed(document: &Document, views: &[&str], dropped: &BTreeSet<usize>) -
 
 /// A view at its new place; `moved` gives that of a buffer and an offset.
 pub fn view_moved(view: &str, moved: &dyn Fn(usize, usize) -> (usize, usize)) -> String {
-    let number = |text: &str, key| member(text, key).and_then(|text| text.parse::<usize>().ok());
     let place = |text: &str| {
         let (buffer, offset) = (number(text, "buffer").unwrap_or(0), number(text, "byteOffset"));
         let (to, at) = moved(buffer, offset.unwrap_or(0));
